@@ -19,13 +19,16 @@ members, for job arrays on one file system; the last share gathers the results. 
 """
 import argparse
 import concurrent.futures
+import contextlib
 import difflib
 import json
 import math
 import os
 import pathlib
+import signal
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
@@ -122,15 +125,50 @@ def _task(study, member, folder):
             "threads": study.run.get("threads", 1), "timeout": study.run.get("timeout", 3600), "version": __version__}
 
 
-def run_member(task):
-    """Runs a member and writes its row, or a message on failure. If this process is killed, the member ends itself without a row."""
+class Interrupted(Error):
+    """Ctrl+C ended the process of a member."""
+
+
+_INTERRUPTED = "interrupted; a restarted study continues from the finished members"
+
+
+def _ended(command, timeout, stopped):
+    """Process of a command at its end. Raises TimeoutExpired after a time [s], and Interrupted once `stopped` is set."""
+    deadline = time.monotonic() + timeout
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        while True:
+            remaining = deadline - time.monotonic()
+            try:
+                out, err = process.communicate(timeout=min(max(remaining, 0), 0.1))
+                return subprocess.CompletedProcess(command, process.returncode, out, err)
+            except subprocess.TimeoutExpired:
+                if not stopped.is_set() and remaining > 0:
+                    continue
+                process.kill()
+                if stopped.is_set():
+                    raise Interrupted(_INTERRUPTED) from None
+                raise
+
+
+def _was_interrupted(done):
+    """True if the signal of Ctrl+C, which all processes of a terminal receive, ended this one."""
+    return done.returncode == -signal.SIGINT or (done.returncode > 0 and _why(done).startswith("KeyboardInterrupt"))
+
+
+def run_member(task, stopped=threading.Event()):
+    """Runs a member and writes its row, or a message on failure. If this process is killed, the member ends itself without a row.
+
+    stopped: an event that kills the member. Raises Interrupted then, and after Ctrl+C; such a member has no row either.
+    """
     if "measured" in (_row(task["file"], task["measure"]) or {}):
         return  # a cluster repeats tasks of lost machines
     if task["version"] != __version__:
         raise Error(f"{sys.prefix}: expected turgor {task['version']} as on the machine that the study was started on, found {__version__}")
     command = [sys.executable, "-m", "turgor.study", "--member", json.dumps({**task, "parent": os.getpid()})]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=task["timeout"])
+        done = _ended(command, task["timeout"], stopped)
+        if _was_interrupted(done):
+            raise Interrupted(_INTERRUPTED)
         row = json.loads(done.stdout) if done.returncode == 0 else {"failed": _why(done)}
     except subprocess.TimeoutExpired:
         row = {"failed": f"took longer than {task['timeout']} s"}
@@ -215,10 +253,18 @@ def _gather(study, folder, rows):
 
 
 def _run_here(tasks, jobs):
-    """Runs members in parallel, each in a thread that waits for its process. Yields once per member."""
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        for future in concurrent.futures.as_completed([pool.submit(run_member, task) for task in tasks]):
+    """Runs members in parallel, each in a thread that waits for its process. Yields once per member.
+
+    An exception, such as that of Ctrl+C, kills the running members and starts no others.
+    """
+    stopped = threading.Event()
+    pool = concurrent.futures.ThreadPoolExecutor(jobs)
+    try:
+        for future in concurrent.futures.as_completed([pool.submit(run_member, task, stopped) for task in tasks]):
             yield future.result()
+    finally:
+        stopped.set()
+        pool.shutdown(cancel_futures=True)
 
 
 def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, cluster=None):
@@ -227,6 +273,8 @@ def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, c
     jobs: parallel members; 0 = number of cores / threads per member. tell: called with progress messages.
     cluster: None = child processes, "local" = Dask in this process, or the address of a Dask scheduler.
     """
+    if jobs < 0:
+        raise Error(f"--jobs: expected a number of parallel members, or 0 for one per core, found {jobs}")
     study = Study(file)
     folder = pathlib.Path(out or pathlib.Path("out") / study.file.stem)
     (folder / "members").mkdir(parents=True, exist_ok=True)
@@ -242,10 +290,11 @@ def run_study(file, out=None, jobs=0, part=(1, 1), tell=lambda sentence: None, c
     else:
         run = _run_here(missing, jobs)
     begin = time.perf_counter()
-    for done, _ in enumerate(run, 1):
-        if done == 5 or done % 50 == 0:
-            remaining = (time.perf_counter() - begin) / done * (len(missing) - done)
-            tell(f"{done} of {len(missing)} members, about {remaining / 60:.1f} minutes remaining")
+    with contextlib.closing(run):
+        for done, _ in enumerate(run, 1):
+            if done == 5 or done % 50 == 0:
+                remaining = (time.perf_counter() - begin) / done * (len(missing) - done)
+                tell(f"{done} of {len(missing)} members, about {remaining / 60:.1f} minutes remaining")
     rows = [_row(_file_of(m, folder), study.measure) for m in study.members]
     return _gather(study, folder, rows) if all(rows) else None
 
@@ -290,6 +339,11 @@ def main(arguments=None):
     except Error as error:
         print(plain_text(f"turgor: {error}"), file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        if options.member or options.check:
+            raise  # the parent process recognizes its end by the signal
+        print(f"turgor: {_INTERRUPTED}", file=sys.stderr)
+        return 128 + signal.SIGINT
     if report is None:
         print("this share is done; other shares are missing")
     else:

@@ -3,12 +3,20 @@ with the same turgor and the study's files; a worker runs one member per thread.
 files, so that no finished member is lost when a process is killed.
 """
 from ._turgor import Error
-from .study import leave_row, run_member
+from .study import Interrupted, leave_row, run_member
 
 try:
     import distributed
 except ImportError:
     distributed = None
+
+
+def _run_on_worker(task):
+    """Runs a member. If Ctrl+C ends it together with its worker, another worker repeats it."""
+    try:
+        run_member(task)
+    except Interrupted:
+        raise distributed.Reschedule from None
 
 
 def _connect(cluster, jobs):
@@ -39,6 +47,6 @@ def run_on_dask(cluster, tasks, jobs, tell):
     with _connect(cluster, jobs) as client:
         threads = sum(client.nthreads().values())
         tell(f"{cluster}: {threads} members in parallel" if threads else f"{cluster}: no worker yet")
-        waiting = dict(zip(client.map(run_member, tasks, pure=False), tasks))
+        waiting = dict(zip(client.map(_run_on_worker, tasks, pure=False), tasks))
         for future in distributed.as_completed(list(waiting)):
             yield _settle(future, waiting.pop(future), cluster)

@@ -46,6 +46,14 @@ def table_of(out):
         return list(csv.DictReader(rows))
 
 
+def command_of(pid):
+    """Command line of a process; "" if it has ended."""
+    try:
+        return pathlib.Path(f"/proc/{pid}/cmdline").read_text()
+    except OSError:
+        return ""
+
+
 class Designs(unittest.TestCase):
     # A Latin hypercube has one point in every stratum of every parameter.
     def test_latin_hypercube_has_one_point_per_stratum(self):
@@ -123,6 +131,40 @@ class Studies(unittest.TestCase):
         self.assertEqual({name: after[name] for name in before}, before)
         run_study(folder / "study.toml", folder / "whole", jobs=2)
         self.assertEqual(table_of(folder / "out"), table_of(folder / "whole"))
+
+    # Ctrl+C ends a study with its running members, which leave no row, and starts no others. In a terminal all processes get it.
+    def test_interrupted_study_ends(self):
+        for send in (os.killpg, os.kill):
+            with self.subTest(send.__name__):
+                folder = folder_with(young="{ values = [4e3] }")
+                text = (folder / "study.toml").read_text().replace('"body.pad.young" =', '"world.duration" =').replace("[4e3]", "[0.1, 3590]")
+                (folder / "study.toml").write_text(text.replace("[0.0, 0.6]", "[0.0, 0.2, 0.4, 0.6]").replace("timeout = 20", "timeout = 100"))
+                (folder / "pad.toml").write_text((folder / "pad.toml").read_text().replace("every = 0.1", "every = 1"))
+                command = [sys.executable, "-m", "turgor.study", str(folder / "study.toml"), "--out", str(folder / "out"), "--jobs", "2"]
+                # a shell starts commands in the background with SIGINT ignored
+                driver = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                                          preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+                self.addCleanup(driver.kill)
+                long_ones = self.long_members_of(driver, 2)
+                before = sorted((folder / "out/members").iterdir())
+                self.assertEqual(len(before), 4)
+                send(driver.pid, signal.SIGINT)
+                out, said = driver.communicate(timeout=60)
+                self.assertEqual((driver.returncode, out, said), (130, "", "turgor: interrupted; a restarted study continues from the finished members\n"))
+                self.assertEqual(sorted((folder / "out/members").iterdir()), before)
+                for pid in long_ones:
+                    self.assertFalse(pathlib.Path(f"/proc/{pid}").exists())
+
+    def long_members_of(self, driver, count):
+        """Process ids of members of 3590 s, once as many run."""
+        deadline = time.monotonic() + 120
+        while time.monotonic() < deadline:
+            children = [pid for threads in pathlib.Path(f"/proc/{driver.pid}/task").glob("*/children") for pid in threads.read_text().split()]
+            found = [pid for pid in children if "3590" in command_of(pid)]
+            if len(found) == count:
+                return found
+            time.sleep(0.05)
+        self.fail(f"{driver.communicate()} before {count} long members ran")
 
     # A wrong path in [measure] is refused before the first member, with the name that was probably meant.
     def test_wrong_measure_is_refused_before_members(self):

@@ -3,6 +3,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -11,7 +12,7 @@ import unittest
 import unittest.mock
 
 import turgor
-from test_study import folder_with, table_of
+from test_study import command_of, folder_with, table_of
 from turgor.study import _task, run_study
 
 try:
@@ -146,6 +147,23 @@ class OnDask(unittest.TestCase):
         self.assertIn("the scheduler is gone", driver.communicate()[1])
         self.assertEqual(driver.returncode, 2)
         self.assertEqual(table_of(folder / "out"), rows)
+
+    # A worker repeats a member that Ctrl+C ended.
+    def test_interrupted_member_is_repeated(self):
+        folder = study_of([(4e3, 3590)], timeout=100)
+        cluster = self.cluster(1)
+        driver = self.driver(folder, cluster.address)
+
+        def running():
+            return [pid for pid in members_of(cluster.workers[0]) if "--member" in command_of(pid)]
+
+        first = wait_for(running)[0]
+        os.kill(first, signal.SIGINT)
+        wait_for(lambda: any(pid != first for pid in running()))
+        self.assertEqual(list((folder / "out/members").iterdir()), [])
+        self.assertIsNone(driver.poll())
+        driver.kill()
+        driver.wait()
 
     # Dask inside of this process gives the same table as a run without it.
     def test_local_dask_gives_same_table(self):
