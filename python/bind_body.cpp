@@ -54,7 +54,7 @@ VolumeFields deformed_volume(const PyBody& body) {
     const nb::gil_scoped_release others;
     ct = lattice.state.resample(body.world->exec(), lattice.model, lattice.ct, lattice.ct.grid).ct;
   }
-  return fields_of(std::move(ct));
+  return fields_of(body.world->as_given(body.name, std::move(ct)));
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ void bind_body(nb::module_& module) {
       .def_prop_ro(
           "wall_begin", [](const PyBody& b) { return snapshot_of(b).wall_begin; },
           "index of the first wound wall in `triangles`; their number without wounds")
-      .def("_volume", [](const PyBody& b) { return fields_of(lattice_of(b).ct); })
+      .def("_volume", [](const PyBody& b) { return fields_of(b.world->as_given(b.name, lattice_of(b).ct)); })
       .def("_deformed_volume", &deformed_volume);
 }
 

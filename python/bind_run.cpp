@@ -33,10 +33,11 @@ bool continue_after(const nb::object& on_frame, const PyProgress& reporter, cons
 
 /// Report as JSON text.
 std::string run_to_json(const fs::path& file, const std::optional<std::string>& text,
-                        const std::vector<std::string>& overrides, const fs::path& out, bool force,
-                        int threads, nb::object on_frame, nb::object progress) {
+                        const std::vector<std::string>& overrides, const std::string& folder,
+                        const fs::path& out, bool force, int threads, nb::object on_frame,
+                        nb::object progress) {
   required(check_threads(threads));
-  const Scene scene = required(text ? parse_scene(*text, file, overrides) : read_scene(file, overrides));
+  const Scene scene = given_scene(file, text, overrides, folder);
   PyProgress reporter(std::move(progress));
   const RunOptions options{.out = out, .foreign = force ? Foreign::kRemove : Foreign::kRefuse, .live = {}};
   std::string json;
@@ -64,8 +65,8 @@ void draw_by(std::vector<std::string> command, std::string refusal) {
 void bind_run(nb::module_& module) {
   module.def("serve_drawings", &serve_drawings);
   module.def("set_drawing_program", &draw_by, "command"_a, "refusal"_a);
-  module.def("run_to_json", &run_to_json, "scene"_a, "text"_a.none(), "overrides"_a, "out"_a, "force"_a,
-             "threads"_a, "on_frame"_a.none(), "progress"_a.none());
+  module.def("run_to_json", &run_to_json, "scene"_a, "text"_a.none(), "overrides"_a, "folder"_a, "out"_a,
+             "force"_a, "threads"_a, "on_frame"_a.none(), "progress"_a.none());
 }
 
 }  // namespace turgor

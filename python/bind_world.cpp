@@ -17,8 +17,6 @@
 #include "progress.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/core/thread_limit.hpp"
-#include "turgor/geometry/reorient.hpp"
-#include "turgor/io/volume/volume_file.hpp"
 #include "turgor/sim/report/report.hpp"
 
 namespace turgor {
@@ -29,44 +27,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-template <class T>
-using Samples = nb::ndarray<const T, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
-/// Samples [k, j, i], spacing [m], origin [m], and directions of i, j, k as columns of a row-major matrix.
-template <class T>
-using GivenVolume = std::tuple<Samples<T>, std::vector<double>, std::vector<double>, std::vector<double>>;
-
-Vec3d vec_of(const std::vector<double>& v, std::size_t first = 0, std::size_t stride = 1) {
-  return {v.at(first), v.at(first + stride), v.at(first + 2 * stride)};
-}
-
-template <class T>
-std::map<std::string, std::shared_ptr<const Volume<T>>> volumes_of(
-    const std::map<std::string, GivenVolume<T>>& given) {
-  std::map<std::string, std::shared_ptr<const Volume<T>>> volumes;
-  for (const auto& [name, fields] : given) {
-    const auto& [samples, spacing, origin, axes] = fields;
-    Volume<T> volume;
-    volume.grid.size = {int(samples.shape(2)), int(samples.shape(1)), int(samples.shape(0))};
-    volume.grid.spacing = vec_of(spacing), volume.grid.origin = vec_of(origin);
-    volume.grid.axes = {{vec_of(axes, 0, 3), vec_of(axes, 1, 3), vec_of(axes, 2, 3)}};
-    required(io::check_grid("the volume of " + name, volume.grid));
-    volume.samples.assign(samples.data(), samples.data() + samples.size());
-    volumes[name] = std::make_shared<const Volume<T>>(right_handed(std::move(volume)));
-  }
-  return volumes;
-}
-
 void init_world(PyWorld* self, const fs::path& file, const std::optional<std::string>& text,
-                const std::vector<std::string>& overrides, int threads, bool keeps_forces,
-                const std::map<std::string, GivenVolume<std::int16_t>>& volumes,
-                const std::map<std::string, GivenVolume<std::uint16_t>>& labels, nb::object progress) {
+                const std::vector<std::string>& overrides, const std::string& folder, int threads,
+                bool keeps_forces, const VolumesOfPython<std::int16_t>& volumes,
+                const VolumesOfPython<std::uint16_t>& labels, nb::object progress) {
   required(check_threads(threads));
-  Scene scene = required(text ? parse_scene(*text, file, overrides) : read_scene(file, overrides));
-  required(set_volumes({volumes_of(volumes), volumes_of(labels)}, scene));
+  Scene scene = given_scene(file, text, overrides, folder);
+  const GivenVolumes given = given_volumes(volumes, labels);
+  required(set_volumes(given, scene));
   PyProgress reporter(std::move(progress));
   {
     const nb::gil_scoped_release others;
-    new (self) PyWorld(std::move(scene), threads, keeps_forces, reporter.begin());
+    new (self) PyWorld(std::move(scene), given.left_handed, threads, keeps_forces, reporter.begin());
   }
   try {
     reporter.rethrow();
@@ -310,8 +282,8 @@ void bind_world(nb::module_& module) {
   nb::class_<PyState>(module, "State", "State of a world at one moment, for World.set_state.");
   nb::class_<PyWorld> world(module, "World", "A scene during simulation.");
   world
-      .def("__init__", &init_world, "scene"_a, "text"_a.none(), "overrides"_a, "threads"_a, "keeps_forces"_a,
-           "volumes"_a, "labels"_a, "progress"_a.none())
+      .def("__init__", &init_world, "scene"_a, "text"_a.none(), "overrides"_a, "folder"_a, "threads"_a,
+           "keeps_forces"_a, "volumes"_a, "labels"_a, "progress"_a.none())
       .def(
           "__init__", [](PyWorld* self, PyWorld& other, int threads) { new (self) PyWorld(other, threads); },
           "other"_a, "threads"_a)

@@ -9,24 +9,14 @@
 
 #include "turgor/core/start_thread.hpp"
 #include "turgor/core/thread_limit.hpp"
+#include "turgor/geometry/reorient.hpp"
 #include "turgor/sim/tools/tool_path.hpp"
 
 namespace turgor {
 
 namespace {
 
-template <class T, class Field>
-Status set_volumes_of(const std::map<std::string, T>& volumes, Scene& scene, const Field& field) {
-  for (const auto& [name, volume] : volumes) {
-    bool found = false;
-    for (LatticeScene& body : scene.lattice_bodies)
-      if (body.name == name) field(body) = volume, found = true;
-    if (!found)
-      return Error{
-          fmt::format("{}: expected a body with model = \"lattice\" for the volume, found none", name)};
-  }
-  return Done{};
-}
+constexpr const char* kBusy = "this world is in a call of another thread";
 
 /// Throws Refused for a number of threads that no run can have.
 Exec checked_exec(int threads) {
@@ -61,21 +51,15 @@ void put_readings(const std::vector<contact::ToolReading>& readings, double* for
 
 }  // namespace
 
-Status set_volumes(const GivenVolumes& given, Scene& scene) {
-  Status status = set_volumes_of(
-      given.volumes, scene, [](LatticeScene & body) -> auto& { return body.ct.given; });
-  if (!status) return status;
-  return set_volumes_of(
-      given.labels, scene, [](LatticeScene & body) -> auto& { return body.given_labels; });
-}
-
 PyWorld::Entered::Entered(PyWorld& world) : world_(world) {
-  if (world.busy_.exchange(true)) throw std::runtime_error("this world is being stepped by another thread");
+  if (world.busy_.exchange(true)) throw std::runtime_error(kBusy);
 }
 
-PyWorld::PyWorld(Scene scene, int threads, bool keeps_forces, const BeginWork& begin)
+PyWorld::PyWorld(Scene scene, std::map<std::string, Grid> left_handed, int threads, bool keeps_forces,
+                 const BeginWork& begin)
     : exec_(checked_exec(threads)),
       scene_(std::make_shared<const Scene>(std::move(scene))),
+      left_handed_(std::move(left_handed)),
       keeps_forces_(keeps_forces) {
   world_ = std::make_unique<World>(required(load_world(exec_, *scene_, begin)));
   measures_ = make_measures(*world_);
@@ -86,6 +70,7 @@ PyWorld::PyWorld(Scene scene, int threads, bool keeps_forces, const BeginWork& b
 PyWorld::PyWorld(PyWorld& other, int threads)
     : exec_(threads == 0 ? other.exec_ : checked_exec(threads)),
       scene_(other.scene_),
+      left_handed_(other.left_handed_),
       keeps_forces_(other.keeps_forces_),
       driven_(other.driven_),
       was_touched_(other.was_touched_),
@@ -230,7 +215,7 @@ void PyWorld::load(const std::filesystem::path& path) {
 }
 
 World& PyWorld::world() const {
-  if (busy_) throw std::runtime_error("this world is being stepped by another thread");
+  if (busy_) throw std::runtime_error(kBusy);
   return *world_;
 }
 
@@ -264,6 +249,14 @@ void PyWorld::drive(const std::string& name, const std::vector<std::vector<doubl
   if (path.front().time > now) path.insert(path.begin(), present);
   driven.path = {std::move(path), false};
   driven.hand.clear();
+}
+
+CtVolume PyWorld::as_given(const std::string& body, CtVolume ct) const {
+  const auto given = left_handed_.find(body);
+  if (given == left_handed_.end()) return ct;
+  CtVolume turned = reordered(ct, AxisOrder{.flip = {true, false, false}});
+  turned.grid = given->second;  // the same grid apart from rounding
+  return turned;
 }
 
 void tick_worlds(const std::vector<PyWorld*>& worlds, std::size_t ticks, std::size_t tools,

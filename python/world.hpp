@@ -1,5 +1,5 @@
-// World of the Python module: scene, bodies and measurements, with a guard against concurrent calls. The
-// interpreter lock is released while the engine works.
+// World of the Python module: scene, bodies and measurements, with a guard against concurrent calls. Calls
+// that load, copy, save, step or tick release the interpreter lock; short calls hold it.
 #pragma once
 
 #include <atomic>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "given.hpp"
 #include "turgor/sim/autosave/saved_world.hpp"
 #include "turgor/sim/live/by_hand.hpp"
 #include "turgor/sim/live/driven_ticks.hpp"
@@ -25,14 +26,6 @@ namespace turgor {
 using Poses = nb::ndarray<const double, nb::shape<-1, -1, 7>, nb::c_contig, nb::device::cpu>;
 using Holds = nb::ndarray<const bool, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 
-/// Volumes in memory, by body name.
-struct GivenVolumes {
-  std::map<std::string, std::shared_ptr<const CtVolume>> volumes;
-  std::map<std::string, std::shared_ptr<const LabelVolume>> labels;
-};
-/// Sets the volumes of a scene. Error: unknown lattice body.
-Status set_volumes(const GivenVolumes& given, Scene& scene);
-
 /// State of a world and of its measurements.
 struct PyState {
   std::shared_ptr<const Scene> scene;  // identifies the world
@@ -44,7 +37,23 @@ struct PyState {
 
 class PyWorld {
  public:
-  PyWorld(Scene scene, int threads, bool keeps_forces, const BeginWork& begin);
+  /// Guard that admits one caller at a time. It is taken with the interpreter lock, which may be released
+  /// afterwards, since readers of the world hold that lock. Throws while another thread is in a call.
+  class Entered {
+   public:
+    explicit Entered(PyWorld& world);
+    ~Entered() { world_.busy_ = false; }
+    Entered(const Entered&) = delete;
+    Entered& operator=(const Entered&) = delete;
+
+   private:
+    PyWorld& world_;
+  };
+
+  /// `left_handed`: grids of given volumes that were mirrored, by body. Requires that the interpreter lock is
+  /// released.
+  PyWorld(Scene scene, std::map<std::string, Grid> left_handed, int threads, bool keeps_forces,
+          const BeginWork& begin);
   /// Independent copy with `threads` threads; 0 = as many as `other`.
   PyWorld(PyWorld& other, int threads);
 
@@ -85,19 +94,9 @@ class PyWorld {
   TouchingTool& tool(const std::string& name) const;
   /// Present command of a tool from its path, also between ticks.
   contact::ToolCommand path_command(std::size_t tool) const;
+  /// A volume on the grid of a body's CT, with the axes of the volume that was given in memory.
+  CtVolume as_given(const std::string& body, CtVolume ct) const;
   void drive(const std::string& tool, const std::vector<std::vector<double>>& rows);
-
-  /// Guard that admits one caller at a time.
-  class Entered {
-   public:
-    explicit Entered(PyWorld& world);
-    ~Entered() { world_.busy_ = false; }
-    Entered(const Entered&) = delete;
-    Entered& operator=(const Entered&) = delete;
-
-   private:
-    PyWorld& world_;
-  };
 
  private:
   /// Without keeps_forces: empties the logs, and keeps them empty.
@@ -110,7 +109,8 @@ class PyWorld {
 
   Exec exec_;
   std::shared_ptr<const Scene> scene_;
-  std::unique_ptr<World> world_;  // must not move: patches under construction refer to it
+  std::map<std::string, Grid> left_handed_;  // of volumes in memory, by body
+  std::unique_ptr<World> world_;             // must not move: patches under construction refer to it
   bool keeps_forces_ = true;
   std::optional<DrivenTicks> driven_;
   bool was_touched_ = false;  // by begin_touch, which ends ticks on this thread for good

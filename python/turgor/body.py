@@ -25,11 +25,15 @@ class Body(_turgor.Body):
         return _turgor.live_of(self)
 
     def volume(self) -> Volume:
-        """lattice: the Volume from which the body was built."""
+        """lattice: the Volume from which the body was built.
+
+        It has the samples and the grid of a Volume in memory. The grid of a file is right-handed: samples of a left-handed
+        file are in the opposite order along i, at the same positions.
+        """
         return Volume(*self._volume())
 
     def deformed_volume(self) -> Volume:
-        """lattice: the Volume in the deformed state, on the same grid."""
+        """lattice: the Volume in the deformed state, on the grid of volume()."""
         return Volume(*self._deformed_volume())
 
     def to_pyvista(self) -> pyvista.PolyData:

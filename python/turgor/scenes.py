@@ -1,6 +1,7 @@
 """Scenes from Python values: converts dicts and arrays to TOML."""
 from __future__ import annotations
 
+import hashlib
 import json
 import numbers
 import os
@@ -33,10 +34,11 @@ class Mesh:
         kind = "triangles" if self.cells.shape[1] == 3 else "tetrahedra"
         return f"Mesh({len(self.points)} points, {len(self.cells)} {kind})"
 
-    def write(self, folder, number):
-        """Writes a legacy VTK file and returns its name."""
+    def write(self, folder):
+        """Writes a legacy VTK file, whose name is the hash of the mesh, and returns its name."""
         is_surface = self.cells.shape[1] == 3
-        file = os.path.join(folder, f"given-{number}.vtk")
+        content = b"".join((repr(self).encode(), self.points.tobytes(), self.cells.tobytes()))
+        file = os.path.join(folder, f"{hashlib.sha256(content).hexdigest()[:32]}.vtk")
         rows = np.column_stack([np.full(len(self.cells), self.cells.shape[1]), self.cells])
         kind = "POLYGONS" if is_surface else "CELLS"
         with open(file, "w", encoding="ascii") as out:
@@ -50,14 +52,23 @@ class Mesh:
         return file
 
 
+def _text(value):
+    """TOML text of a string."""
+    return json.dumps(value, ensure_ascii=False)
+
+
 class GivenScene:
-    """Data of a scene from Python besides its text: files of meshes, volumes by body."""
+    """Data of a scene from Python besides its text: files of meshes in `folder`, volumes by body."""
 
     def __init__(self, folder):
         self.folder = folder
-        self.meshes = 0
         self.volumes, self.labels = {}, {}
         self.paths = []
+
+    @property
+    def folder_text(self):
+        """The folder as it appears in documents and overrides. It lives only until the world is loaded."""
+        return _text(self.folder)[1:-1]
 
     def toml(self, value):
         """TOML text of a Python value."""
@@ -68,12 +79,11 @@ class GivenScene:
         if isinstance(value, numbers.Real):
             return repr(float(value))
         if isinstance(value, (str, os.PathLike)):
-            return json.dumps(os.fspath(value), ensure_ascii=False)
+            return _text(os.fspath(value))
         if isinstance(value, dict):
             return "{ " + ", ".join(f"{json.dumps(str(k))} = {self.toml(v)}" for k, v in value.items()) + " }"
         if isinstance(value, Mesh):
-            self.meshes += 1
-            return json.dumps(value.write(self.folder, self.meshes))
+            return _text(value.write(self.folder))
         if isinstance(value, Volume):
             raise Error("a Volume in a scene: expected as body.NAME.ct or body.NAME.labels, found elsewhere")
         return "[" + ", ".join(self.toml(v) for v in value) + "]"

@@ -32,6 +32,11 @@ def _progress_callback(progress):
     return _print_progress if progress is True else progress or None
 
 
+def _is_false(answer):
+    """True for False of Python or NumPy, the answers of a callback that end a run."""
+    return isinstance(answer, (bool, np.bool_)) and not answer
+
+
 def _file_and_text(given, scene, text, folder):
     if (scene is None) == (text is None):
         raise TypeError("expected either a scene (a file or a dict) or text=")
@@ -64,7 +69,7 @@ class World(_turgor.World):
             given = GivenScene(scratch)
             file, text = _file_and_text(given, scene, text, folder)
             overrides = given.overrides(set, volumes, labels)
-            super().__init__(file, text, overrides, threads, keeps_forces, given.volumes, given.labels, _progress_callback(progress))
+            super().__init__(file, text, overrides, given.folder_text, threads, keeps_forces, given.volumes, given.labels, _progress_callback(progress))
 
     def __getitem__(self, name: str) -> Body:
         """Body of that name. Raises KeyError for an unknown name."""
@@ -254,4 +259,6 @@ def run(scene: SceneGiven = None, out: Union[None, str, os.PathLike[str]] = None
         if given.volumes or given.labels:
             raise _turgor.Error("run: expected volumes as files, which the report names, found one in memory; World accepts it")
         drawing.use_process()
-        return json.loads(_turgor.run_to_json(file, text, overrides, os.fspath(out or ""), force, threads, on_frame, _progress_callback(progress)))
+        continues = None if on_frame is None else lambda seconds: not _is_false(on_frame(seconds))
+        return json.loads(_turgor.run_to_json(file, text, overrides, given.folder_text, os.fspath(out or ""), force, threads, continues,
+                                              _progress_callback(progress)))

@@ -61,6 +61,27 @@ class Values(unittest.TestCase):
             world.step(3)
         np.testing.assert_allclose(worlds[0]["block"].points, worlds[1]["block"].points, atol=1e-7)
 
+    # Volumes of a body are on the grid of the volume in memory, also of a left-handed one.
+    def test_volumes_keep_left_handed_grid(self):
+        axes = np.array([[-0.8, -0.6, 0], [-0.6, 0.8, 0], [0, 0, 1]])
+        samples = self.phantom()
+        samples[10, 10, 20:] = 300  # not symmetric along i
+        volume = turgor.Volume(samples, (2e-3, 2e-3, 3e-3), (0.07, -0.02, 0.03), axes)
+        self.assertLess(np.linalg.det(volume.axes), 0)
+        world = turgor.World(self.scene(volume))
+        for one in (world, world.copy()):
+            body = one["block"]
+            for found in (body.volume(), body.deformed_volume()):  # at rest
+                np.testing.assert_array_equal(found.samples, volume.samples)
+                np.testing.assert_array_equal(found.affine, volume.affine)
+        # the same volume in the other order of samples deforms alike
+        mirrored = turgor.Volume(samples[:, :, ::-1], volume.spacing, volume.affine[:3] @ [31, 0, 0, 1], axes * [-1, 1, 1])
+        other = turgor.World(self.scene(mirrored))
+        for one in (world, other):
+            one.step(5)
+        np.testing.assert_array_equal(world["block"].deformed_volume().samples, other["block"].deformed_volume().samples[:, :, ::-1])
+        self.assertFalse(np.array_equal(world["block"].deformed_volume().samples, samples))
+
     # Labels in memory select the stiffness of tissue.
     def test_labels_in_memory_set_stiffness(self):
         labels = (self.phantom() > 0).astype(np.uint8)
@@ -102,13 +123,19 @@ class Values(unittest.TestCase):
                 with self.assertRaisesRegex(turgor.Error, f"threads from 0 .one per core. to 1024, found {threads}"):
                     call()
 
+    def box(self, height=0.03):
+        """Corners and triangles of a box."""
+        corners = np.array([[x, y, z] for z in (0, height) for y in (0, 0.05) for x in (0, 0.05)])
+        quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+        return corners, [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+
+    def scene_of_mesh(self, surface):
+        return {"body": {"box": {"model": "sfem", "surface": surface, "resolution": 0.012, "fixed": "bottom", "young": 5e3, "cache": False}}}
+
     # Meshes from arrays become bodies.
     def test_mesh_from_arrays(self):
-        corners = np.array([[x, y, z] for z in (0, 0.03) for y in (0, 0.05) for x in (0, 0.05)])
-        quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-        triangles = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
-        scene = {"body": {"box": {"model": "sfem", "surface": turgor.Mesh(corners, triangles), "resolution": 0.012,
-                                  "fixed": "bottom", "young": 5e3, "cache": False}}}
+        corners, triangles = self.box()
+        scene = self.scene_of_mesh(turgor.Mesh(corners, triangles))
         world = turgor.World(scene)
         points = world["box"].rest_points
         np.testing.assert_allclose(points.min(axis=0), [0, 0, 0], atol=2e-3)
@@ -120,6 +147,31 @@ class Values(unittest.TestCase):
         self.assertEqual(len(turgor.World(scene)["box"].live.rest_vertices), 5)
         with self.assertRaisesRegex(turgor.Error, "0 to 7"):
             turgor.Mesh(corners, [[0, 1, 8]])
+
+    # A saved world with a mesh in memory continues in another world with the same mesh, and in no other one.
+    def test_saved_world_of_mesh_continues(self):
+        def worlds(mesh):
+            yield turgor.World(self.scene_of_mesh(mesh))
+            yield turgor.World(self.scene_of_mesh("none.obj"), set={"body.box.surface": mesh})
+
+        corners, triangles = self.box()
+        turned = [(b, c, a) for a, b, c in triangles]  # the same surface of other numbers
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "world.state")
+            for n in range(2):
+                world, again, of_other_mesh, of_higher_box = (
+                    list(worlds(turgor.Mesh(*mesh)))[n] for mesh in ((corners, triangles), (corners, triangles), (corners, turned), self.box(0.04)))
+                world.step(3)
+                world.save(file)
+                again.load(file)
+                self.assertEqual(again.state_hash, world.state_hash)
+                self.assertEqual(again.frame, 3)
+                for key in ("scene", "scene_text", "parameters"):
+                    self.assertEqual(again.report()[key], world.report()[key])
+                for other in (of_other_mesh, of_higher_box):
+                    with self.assertRaisesRegex(turgor.Error, "the saved world is of another scene"):
+                        other.load(file)
+                    self.assertEqual(other.frame, 0)
 
 
 class Packages(unittest.TestCase):
