@@ -1,6 +1,7 @@
 // Recordings of runs: surfaces at every snapshot, and their files for other programs.
 #include <filesystem>
 #include <memory>
+#include <mutex>
 
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
@@ -22,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A recording, with the world that its snapshots are restored into.
+/// A recording, with the world that its snapshots are restored into. Its functions are called without the
+/// interpreter lock; threads that read the same recording wait for each other.
 class PyRecording {
  public:
   PyRecording(const fs::path& file, const std::vector<std::string>& overrides, int threads)
@@ -36,21 +38,28 @@ class PyRecording {
   const std::string& report() const { return recording_.report(); }
   double frame_rate() const { return scene_.frame_rate; }
 
-  const WorldSnapshot& snapshot(int index) {
+  WorldSnapshot snapshot(int index) {
+    const std::lock_guard alone(reading_);
+    return restored(index);
+  }
+
+  SurfaceAnimation animation() {
+    const std::lock_guard alone(reading_);
+    SurfaceAnimation animation{.frame_rate = scene_.frame_rate, .times = {}, .surfaces = {}};
+    for (int s = 0; s < count(); s++) add_surfaces(restored(s), animation);
+    remove_empty_surfaces(animation);
+    return animation;
+  }
+
+ private:
+  const WorldSnapshot& restored(int index) {
     if (index < 0 || index >= count()) throw nb::index_error("the recording has no such snapshot");
     required(recording_.restore(exec_, index, *world_, snapshot_));
     snapshot_.time = time_of(*world_), snapshot_.frame = world_->frame;
     return snapshot_;
   }
 
-  SurfaceAnimation animation() {
-    SurfaceAnimation animation{.frame_rate = scene_.frame_rate, .times = {}, .surfaces = {}};
-    for (int s = 0; s < count(); s++) add_surfaces(snapshot(s), animation);
-    remove_empty_surfaces(animation);
-    return animation;
-  }
-
- private:
+  std::mutex reading_;
   Exec exec_;
   Recording recording_;
   Scene scene_;
@@ -84,7 +93,10 @@ nb::dict tool_dict(const ToolSnapshot& tool) {
 
 /// Time, frame, and the arrays of every body and tool.
 nb::dict snapshot_dict(PyRecording& recording, int index) {
-  const WorldSnapshot& snapshot = recording.snapshot(index);
+  const WorldSnapshot snapshot = [&] {
+    const nb::gil_scoped_release others;
+    return recording.snapshot(index);
+  }();
   nb::dict bodies, tools, out;
   for (const BodySnapshot& body : snapshot.bodies) bodies[body.name.c_str()] = surface_dict(body);
   for (const ToolSnapshot& tool : snapshot.tools) tools[tool.name.c_str()] = tool_dict(tool);
@@ -95,10 +107,9 @@ nb::dict snapshot_dict(PyRecording& recording, int index) {
 
 template <class Write>
 void write_surfaces(PyRecording& recording, const fs::path& file, Write write) {
-  required(check_file_goal(file));
-  const SurfaceAnimation animation = recording.animation();
   const nb::gil_scoped_release others;
-  required(write(file, animation));
+  required(check_file_goal(file));
+  required(write(file, recording.animation()));
 }
 
 }  // namespace
@@ -115,6 +126,7 @@ void bind_recording(nb::module_& module) {
       "open_recording",
       [](const fs::path& file, const std::vector<std::string>& overrides, int threads) {
         required(check_threads(threads));
+        const nb::gil_scoped_release others;
         return std::make_unique<PyRecording>(file, overrides, threads);
       },
       "file"_a, "overrides"_a, "threads"_a);

@@ -67,7 +67,9 @@ PyWorld::PyWorld(Scene scene, std::map<std::string, Grid> left_handed, int threa
   limit_logs();
 }
 
-PyWorld::PyWorld(PyWorld& other, int threads)
+PyWorld::PyWorld(PyWorld& other, int threads) : PyWorld(Entered(other), other, threads) {}
+
+PyWorld::PyWorld(const Entered&, PyWorld& other, int threads)
     : exec_(threads == 0 ? other.exec_ : checked_exec(threads)),
       scene_(other.scene_),
       left_handed_(other.left_handed_),
@@ -77,7 +79,7 @@ PyWorld::PyWorld(PyWorld& other, int threads)
       measures_(other.measures_),
       loaded_(other.loaded_) {
   other.expect_untouched("a copy");
-  const Entered entered(other);
+  const nb::gil_scoped_release others;
   world_ = std::make_unique<World>(copy_of(*other.world_));
 }
 
@@ -177,16 +179,18 @@ void PyWorld::tighten(const std::string& stitch, std::optional<double> tension, 
 }
 
 PyState PyWorld::state() {
-  expect_untouched("get_state()");
   const Entered entered(*this);
+  expect_untouched("get_state()");
+  const nb::gil_scoped_release others;
   return {scene_, state_of(*world_), driven_, was_touched_, measures_};
 }
 
 void PyWorld::set_state(const PyState& state) {
-  expect_untouched("set_state()");
   const Entered entered(*this);
+  expect_untouched("set_state()");
   if (state.scene != scene_)
     throw Refused("expected a state of this world or of a copy of it, found one of another world");
+  const nb::gil_scoped_release others;
   const std::uint64_t cuts_before = cuts_hash(*world_);
   turgor::set_state(*world_, state.state);
   driven_ = state.driven, was_touched_ = state.was_touched, measures_ = state.measures;
@@ -202,12 +206,14 @@ void PyWorld::expect_frames(const char* call) const {
 void PyWorld::save(const std::filesystem::path& path) {
   const Entered entered(*this);
   expect_frames("save()");
+  const nb::gil_scoped_release others;
   required(save_world(path, *scene_, *world_, measures_, loaded_));
 }
 
 void PyWorld::load(const std::filesystem::path& path) {
   const Entered entered(*this);
   expect_frames("load()");
+  const nb::gil_scoped_release others;
   const std::uint64_t cuts_before = cuts_hash(*world_);
   required(read_saved_world(exec_, path, *scene_, loaded_, *world_, measures_));
   limit_logs();

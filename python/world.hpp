@@ -99,6 +99,7 @@ class PyWorld {
   void drive(const std::string& tool, const std::vector<std::vector<double>>& rows);
 
  private:
+  PyWorld(const Entered& entered, PyWorld& other, int threads);
   /// Without keeps_forces: empties the logs, and keeps them empty.
   void limit_logs();
   /// After another state has replaced one with these cuts: the snapshot is out of date. Its caches are

@@ -1,5 +1,6 @@
 """Recordings exported to USD and glTF, opened again by other libraries: every point, triangle and time is compared with the
 recording."""
+import concurrent.futures
 import functools
 import json
 import pathlib
@@ -13,6 +14,7 @@ import numpy as np
 
 import turgor
 from scenes import CLOTH, PROGRAM, SURFACES
+from test_worlds import others_run
 
 try:
     from pxr import Gf, Usd, UsdGeom, UsdShade
@@ -89,6 +91,24 @@ class Recordings(unittest.TestCase):
         self.assertIn("state_hash", recording.report)
         with self.assertRaises(IndexError):
             recording[6]
+
+    # Other threads run while a recording is opened, read and exported, and threads that read the same one get its snapshots.
+    def test_reading_releases_gil(self):
+        file = folder() / "recording.h5"
+        recording = turgor.Recording(file)
+        with tempfile.TemporaryDirectory() as out:
+            for call in (lambda: turgor.Recording(file), lambda: recording[1], lambda: turgor.export_gltf(recording, f"{out}/a.glb"),
+                         lambda: turgor.export_usd(recording, f"{out}/a.usda")):
+                self.assertTrue(others_run(call, times=5))
+        with concurrent.futures.ThreadPoolExecutor(4) as pool:
+            for index, found in zip([0, 2, 4] * 4, pool.map(lambda n: recording[n], [0, 2, 4] * 4)):
+                self.assertEqual(found.time, moments()[index].time)
+                for name, body in moments()[index].bodies.items():
+                    np.testing.assert_array_equal(found.bodies[name].points, body.points)
+        script = (f"import threading, turgor; recording = turgor.Recording({str(file)!r})\n"
+                  "reading = threading.Thread(target=lambda: [recording[n] for n in range(6)]); reading.start(); reading.join()")
+        done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+        self.assertEqual((done.stdout, done.stderr), ("", ""))
 
     # Other files, endings and folders are refused with a message, and nothing is written.
     def test_wrong_input_is_refused(self):

@@ -1,6 +1,7 @@
 """Worlds in steps and ticks: states, copies, files, threads and live views."""
 import gc
 import pathlib
+import sys
 import tempfile
 import threading
 import unittest
@@ -20,6 +21,27 @@ def sliding(ticks, start=0):
     poses[:, 0, 2] = 0.0345
     poses[:, 0, 3] = 1
     return poses
+
+
+def others_run(call, times=1):
+    """True if another thread gets the interpreter while `call` is repeated. Only a release of the lock gives it away."""
+    ended = []
+
+    def repeat():
+        for _ in range(times):
+            call()
+        ended.append(True)
+
+    repeating = threading.Thread(target=repeat)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1000)
+    try:
+        repeating.start()
+        ran = not ended
+    finally:
+        sys.setswitchinterval(interval)
+    repeating.join()
+    return ran
 
 
 class Ticks(unittest.TestCase):
@@ -64,13 +86,8 @@ class Ticks(unittest.TestCase):
     # Other threads run while a world ticks.
     def test_tick_releases_gil(self):
         world = turgor.World(text=PAD, threads=1)
-        ticking = threading.Thread(target=world.tick, args=(sliding(400),))
-        ticking.start()
-        seen = 0
-        while ticking.is_alive():
-            seen += 1
-        ticking.join()
-        self.assertGreater(seen, 100)
+        self.assertTrue(others_run(lambda: world.tick(sliding(400))))
+        self.assertFalse(others_run(lambda: [world.time for _ in range(1000)]))
 
     # Jaws that hold the tissue receive its pull; open jaws do not.
     def test_holding_jaws_pull_tissue(self):
@@ -190,6 +207,32 @@ class States(unittest.TestCase):
             one.step(6)
         self.assertEqual(world.state_hash, fresh.state_hash)
         self.assertGreater(world.forces("finger")["force_N"][-1, 2], 0.005)
+
+    # Other threads run while a world is copied, saved and loaded, and while its state is read and restored.
+    def test_copies_and_files_release_gil(self):
+        world = turgor.World(text=TORSO, threads=1)
+        world.step(2)
+        state = world.get_state()
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "world.state")
+            for call in (world.copy, world.get_state, lambda: world.set_state(state), lambda: world.save(file), lambda: world.load(file)):
+                self.assertTrue(others_run(call, times=50))
+
+    # A world that another thread steps is not copied, and its state is not read.
+    def test_stepped_world_is_not_copied(self):
+        world = turgor.World(text=CLOTH, threads=1)
+        stepping = threading.Thread(target=lambda: [world.step(20) for _ in range(20)])
+        stepping.start()
+        refused = 0
+        while stepping.is_alive():
+            for call in (world.copy, world.get_state):
+                try:
+                    call()
+                except RuntimeError as error:
+                    self.assertIn("in a call of another thread", str(error))
+                    refused += 1
+        stepping.join()
+        self.assertGreater(refused, 0)
 
     # Copies and states of a world after end_touch() have no ticks either.
     def test_copy_after_touch_refuses_ticks(self):
