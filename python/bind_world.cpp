@@ -266,7 +266,9 @@ void bind_ticks(nb::class_<PyWorld>& world, nb::module_& module) {
            "Starts ticks on a thread of their own: one thread calls touch_tick(), another one step(). "
            "Once for a world, before its first tick.")
       .def("_touch_tick", &touch_tick, "poses"_a, "hold"_a.none())
-      .def("end_touch", &PyWorld::end_touch, "Ends them; no call of touch_tick() may be in progress.")
+      .def("end_touch", &PyWorld::end_touch,
+           "Ends them; no call of touch_tick() may be in progress. Afterwards the world neither steps nor "
+           "ticks, until set_state() returns it to a state from before begin_touch().")
       .def_prop_ro(
           "is_ticked", [](const PyWorld& w) { return w.world(), w.is_driven(); },
           "true after the first tick() or begin_touch(); drive() is refused then, and step() but between "

@@ -99,6 +99,7 @@ void PyWorld::forget_snapshot(std::uint64_t cuts_before) {
 }
 
 void PyWorld::step(int frames) {
+  if (!is_touched_) expect_no_touch("step()");
   if (driven_ && !is_touched_)
     throw Refused("this world runs tick by tick: expected tick(), which includes frames, found step()");
   is_shown_ = false;
@@ -115,8 +116,18 @@ void PyWorld::expect_untouched(const char* call) const {
         fmt::format("expected {} before begin_touch() or after end_touch(), found it between", call));
 }
 
+void PyWorld::expect_no_touch(const char* call) const {
+  if (is_touched_) throw Refused(fmt::format("expected {} before begin_touch(), found it after", call));
+  if (was_touched_)
+    throw Refused(fmt::format(
+        "{}: expected a new world, or set_state() with a state from before begin_touch(), found a "
+        "world whose haptic session has ended",
+        call));
+}
+
 void PyWorld::begin_touch() {
   const Entered entered(*this);
+  if (!is_touched_) expect_no_touch("begin_touch()");
   if (driven_) throw Refused("begin_touch: expected a world without ticks, found one with earlier ticks");
   commands_.resize(world_->tools.size()), readings_.resize(world_->tools.size());
   driven_ = begin_driven(*world_), is_touched_ = was_touched_ = true;
@@ -150,10 +161,9 @@ void PyWorld::end_touch() {
 
 void PyWorld::tick(std::size_t ticks, const double* poses, const bool* holds, double* forces) {
   const std::size_t tools = world_->tools.size();
+  expect_no_touch("tick()");
   commands_.resize(tools), readings_.resize(tools);
   is_shown_ = false;
-  expect_untouched("tick()");
-  if (was_touched_) throw Refused("tick: expected a world without begin_touch(), found one with it");
   if (!driven_) driven_ = begin_driven(*world_);
   for (std::size_t n = 0; n < ticks; n++) {
     for (std::size_t t = 0; t < tools; t++)
@@ -198,6 +208,7 @@ void PyWorld::set_state(const PyState& state) {
 }
 
 void PyWorld::expect_frames(const char* call) const {
+  expect_no_touch(call);
   if (driven_)
     throw Refused(
         fmt::format("this world runs tick by tick: expected get_state() or copy(), found {}", call));
@@ -245,6 +256,7 @@ contact::ToolCommand PyWorld::path_command(std::size_t tool) const {
 
 void PyWorld::drive(const std::string& name, const std::vector<std::vector<double>>& rows) {
   TouchingTool& driven = tool(name);
+  expect_no_touch("drive()");
   if (driven_) throw Refused(name + ": this world runs tick by tick: expected tick(), found drive()");
   std::vector<PathRow> path = required(path_rows(rows));
   if (path.empty()) throw Refused(name + ": expected a path of at least one row, found none");

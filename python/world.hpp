@@ -105,6 +105,8 @@ class PyWorld {
   /// After another state has replaced one with these cuts: the snapshot is out of date. Its caches are
   /// discarded if they are those of other cuts.
   void forget_snapshot(std::uint64_t cuts_before);
+  /// Throws Refused after begin_touch.
+  void expect_no_touch(const char* call) const;
   /// Throws Refused if the world runs tick by tick, since a file has no state between two ticks.
   void expect_frames(const char* call) const;
 

@@ -184,7 +184,9 @@ class World:
         """
 
     def end_touch(self) -> None:
-        """Ends them; no call of touch_tick() may be in progress."""
+        """
+        Ends them; no call of touch_tick() may be in progress. Afterwards the world neither steps nor ticks, until set_state() returns it to a state from before begin_touch().
+        """
 
     @property
     def is_ticked(self) -> bool:

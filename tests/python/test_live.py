@@ -1,4 +1,6 @@
 """Ticks on a thread beside frames: turgor.live and the calls of a world that it uses."""
+import pathlib
+import tempfile
 import threading
 import unittest
 
@@ -120,8 +122,30 @@ class Touch(unittest.TestCase):
             world.touch_tick(pose[0])
         world.step()
         world.end_touch()
-        with self.assertRaisesRegex(turgor.Error, "found one with it"):
-            world.tick(pose[None])
+
+    # After end_touch() no call sends to another one that is refused; the state from before begin_touch() goes on.
+    def test_ended_session_names_way_back(self):
+        world = turgor.World(text=PAD)
+        world.step()
+        before, pose = world.get_state(), world.tool_poses
+        path = [[0.1, 0.03, 0.03, 0.04]]
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "world.state")
+            calls = {"step()": world.step, "tick()": lambda: world.tick(pose[None]), "drive()": lambda: world.drive("finger", path),
+                     "save()": lambda: world.save(file), "load()": lambda: world.load(file), "begin_touch()": world.begin_touch}
+            world.begin_touch()
+            for name in ("tick()", "drive()", "save()", "load()"):
+                with self.assertRaisesRegex(turgor.Error, rf"expected {name[:-2]}\(\) before begin_touch\(\), found it after"):
+                    calls[name]()
+            world.step()
+            world.end_touch()
+            for name, call in calls.items():
+                with self.assertRaisesRegex(turgor.Error, rf"^{name[:-2]}\(\): expected a new world, or set_state\(\) with a state from before "
+                                                          r"begin_touch\(\), found a world whose haptic session has ended$"):
+                    call()
+            world.set_state(before)
+            for name in ("save()", "load()", "step()", "drive()", "tick()"):
+                calls[name]()
 
     # What a frame raises ends the run and is raised by it.
     def test_error_of_frame_is_raised(self):

@@ -247,7 +247,7 @@ class States(unittest.TestCase):
         world.tick(sliding(3))
         world.set_state(after)
         for one in (world, copy, copy.copy()):
-            with self.assertRaisesRegex(turgor.Error, "found one with it"):
+            with self.assertRaisesRegex(turgor.Error, "haptic session has ended"):
                 one.tick(sliding(1))
 
     # A state of another world is rejected.
