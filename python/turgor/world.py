@@ -234,13 +234,15 @@ def tick_all(worlds: Sequence[World], poses: ArrayLike, hold: Optional[ArrayLike
     """World.tick of many worlds in parallel, one thread per world, at most `threads` at a time (0 = one per core).
 
     poses: (worlds, ticks, tools, 7). hold: broadcasts to (worlds, ticks, tools). Returns (worlds, ticks, tools, 6).
-    Worlds created with threads=1 do not wait for each other.
+    Worlds created with threads=1 do not wait for each other. Raises ValueError for poses of another number of worlds.
     """
-    poses = _poses("tick_all", poses, ("worlds", "ticks", "tools", 7))
+    poses, worlds = _poses("tick_all", poses, ("worlds", "ticks", "tools", 7)), list(worlds)
+    if len(poses) != len(worlds):
+        raise ValueError(f"tick_all: expected poses of {len(worlds)} worlds, found those of {len(poses)}")
     hold = _holds(hold, poses.shape[:-1])
     rows = poses.shape[0] * poses.shape[1]
     flat = None if hold is None else hold.reshape(rows, -1)
-    return _turgor.tick_all(list(worlds), poses.reshape(rows, *poses.shape[2:]), flat, threads)
+    return _turgor.tick_all(worlds, poses.reshape(rows, *poses.shape[2:]), flat, threads)
 
 
 def run(scene: SceneGiven = None, out: Union[None, str, os.PathLike[str]] = None, *, text: Text = None,

@@ -83,6 +83,17 @@ class Ticks(unittest.TestCase):
         self.assertEqual([w.state_hash for w in alone], [w.state_hash for w in together])
         self.assertEqual(len({w.state_hash for w in together}), 4)
 
+    # Poses of another number of worlds change no world.
+    def test_tick_all_refuses_other_number_of_worlds(self):
+        worlds = [turgor.World(text=PAD, threads=1) for _ in range(2)]
+        before = [world.state_hash for world in worlds]
+        for count in (0, 1, 4):
+            poses = np.stack([sliding(20)] * count) if count else np.zeros((0, 20, 1, 7))
+            with self.assertRaisesRegex(ValueError, f"tick_all: expected poses of 2 worlds, found those of {count}"):
+                turgor.tick_all(worlds, poses)
+        self.assertEqual([world.state_hash for world in worlds], before)
+        self.assertEqual([world.is_ticked for world in worlds], [False, False])
+
     # Other threads run while a world ticks.
     def test_tick_releases_gil(self):
         world = turgor.World(text=PAD, threads=1)
