@@ -20,15 +20,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Calls `on_frame` and returns whether to continue. False ends the run and keeps its results. Ctrl+C and
-/// exceptions of `on_frame` cancel the run and leave no folder.
+/// Calls `on_frame` and returns whether to continue. False ends the run and keeps its results; other answers
+/// continue. Ctrl+C and exceptions of `on_frame` cancel the run and leave no folder.
 bool continue_after(const nb::object& on_frame, const PyProgress& reporter, const World& world) {
   const nb::gil_scoped_acquire python;
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
   if (reporter.failed()) throw Refused("progress failed");
   if (on_frame.is_none()) return true;
-  const nb::object answer = on_frame(time_of(world));
-  return answer.is_none() || nb::cast<bool>(answer);
+  return !on_frame(time_of(world)).is(nb::handle(Py_False));
 }
 
 /// Report as JSON text.

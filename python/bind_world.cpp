@@ -298,6 +298,8 @@ void bind_world(nb::module_& module) {
           "dt", [](const PyWorld& w) { return w.world().dt; }, "duration of a frame [s]")
       .def_prop_ro(
           "duration", [](const PyWorld& w) { return w.scene().duration; }, "duration of the scene [s]")
+      .def_prop_ro("_frame_rate", [](const PyWorld& w) { return w.scene().frame_rate; })
+      .def_prop_ro("_frame_count", [](const PyWorld& w) { return frame_count(w.scene()); })
       .def_prop_ro(
           "state_hash",
           [](const PyWorld& w) {

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import math
 import operator
 import os
 import sys
@@ -17,6 +18,8 @@ from .body import Body
 from .columns import Columns
 from .scenes import GivenScene
 from .volume import Volume
+
+_LONGEST = 1e9  # between two moments of a run [s]
 
 Progress = Union[None, bool, Callable[[str, float], object]]
 SceneGiven = Union[None, str, "os.PathLike[str]", Mapping[str, Any]]
@@ -128,9 +131,10 @@ class World(_turgor.World):
             progress: Progress = None) -> Iterator[World]:
         """Simulates for `seconds` (default: to the end of the scene) and yields the world every `every` seconds.
 
-        callback(world): called before each yield; False ends the run. progress: as for World.
+        callback(world): called before each yield; False, of Python or NumPy, ends the run, and other answers do not.
+        progress: as for World. Times are rounded to whole frames, halves upwards, as by the program.
         """
-        if seconds is not None and not seconds >= 0:
+        if seconds is not None and not 0 <= seconds < math.inf:
             raise ValueError(f"run: expected seconds of at least 0, found {seconds}")
         if not every > 0:
             raise ValueError(f"run: expected every above 0 s, found {every}")
@@ -138,16 +142,20 @@ class World(_turgor.World):
 
     def _run(self, seconds, every, callback, progress):
         begin, report = self.frame, _progress_callback(progress)
-        end = begin + round((self.duration - self.time if seconds is None else seconds) / self.dt)
-        stride = max(1, round(every / self.dt))
+        end = self._frame_count if seconds is None else begin + self._frames_in(seconds)
+        stride = max(1, self._frames_in(min(every, _LONGEST)))
         while self.frame < end:
             self.step(min(stride, end - self.frame))
             if report:
                 report("simulating", (self.frame - begin) / (end - begin))
-            continues = callback is None or callback(self) is not False
+            ends = callback is not None and _is_false(callback(self))
             yield self
-            if not continues:
+            if ends:
                 return
+
+    def _frames_in(self, seconds):
+        """Nearest number of frames, halves upwards."""
+        return math.floor(seconds * self._frame_rate + 0.5)
 
     def tick(self, poses: ArrayLike, hold: Optional[ArrayLike] = None) -> NDArray[np.float64]:
         """Moves all tools through ticks of one millisecond, and returns the forces on them.
@@ -251,8 +259,8 @@ def run(scene: SceneGiven = None, out: Union[None, str, os.PathLike[str]] = None
     """Runs a scene like the program: writes pictures, meshes and a report into the folder `out` (default out/SCENE).
 
     Returns the report as a dict. force: replaces earlier results even if files were added or changed.
-    on_frame(seconds): called after every frame; False ends the run and keeps its results. An exception of it and Ctrl+C
-    cancel the run and leave no folder. progress: as for World.
+    on_frame(seconds): called after every frame; False, of Python or NumPy, ends the run and keeps its results, and other
+    answers do not. An exception of it and Ctrl+C cancel the run and leave no folder. progress: as for World.
     """
     with tempfile.TemporaryDirectory(prefix="turgor-") as scratch:
         given = GivenScene(scratch)
