@@ -42,6 +42,7 @@ struct Given {
   std::vector<CurvePoint> curve;
   double tip = 0;        // radius of the pressing ball [m]
   double stiffness = 1;  // of the body at the press, relative to a half space; the curve is divided by it [1]
+  std::string units;     // by which a table was read, "mm, N"; empty: a scene
 };
 
 /// Force–depth curve of the scene's first tool while it moves in.
@@ -104,7 +105,8 @@ Given curve_of_scene(const Exec& exec, const CalibrateOptions& options) {
   }
   const TouchingTool& tool = world.tools[0];
   const double tip = contact::rhombus_tip(tool.tool.shape, tool.forceps).radius;
-  Given given{force_curve(world, options.input), tip, stiffness_at_press(exec, world, tip, options.input)};
+  Given given{force_curve(world, options.input), tip, stiffness_at_press(exec, world, tip, options.input),
+              ""};
   for (CurvePoint& p : given.curve) p.force /= given.stiffness;
   const sfem::Material& material = world.sfem_bodies[0].model.body.materials[0];
   add_pull(given, rhombus::contact_modulus(material.young, material.poisson));
@@ -137,6 +139,7 @@ Json to_json(const CalibrateOptions& options, const Given& given, const rhombus:
   return {{"program", "turgor"},
           {"version", program_version()},
           {"input", options.input.string()},
+          {"units", given.units},
           {"points", given.curve.size()},
           {"relative_stiffness", given.stiffness},
           {"normal_N_per_m", p.normal},
@@ -158,9 +161,10 @@ std::string percent_text(double error) {
                        : fmt::format("{:.1f} %", 100 * error);
 }
 
-void print(const Given& given, const rhombus::Fit& fit, const fs::path& out) {
+void print(const fs::path& input, const Given& given, const rhombus::Fit& fit, const fs::path& out) {
   const rhombus::ChainParams& p = fit.params;
   const double degrees = p.angle * 180 / std::numbers::pi;
+  if (!given.units.empty()) print_plain("{} read as {}\n", input.string(), given.units);
   if (given.stiffness != 1)
     print_plain(
         "the body is {:.3g} times as stiff as a half space at this point: forces are divided by that, "
@@ -194,15 +198,16 @@ void calibrate(const Exec& exec, const CalibrateOptions& options) {
     throw Failure{2, options.input.string() + ": --tip belongs to a table; the scene has its own tool"};
   OutputFolder folder = open_result_folder(
       options.out.empty() ? fs::path("out") / options.input.stem() : options.out, options.force);
-  const Given given =
-      measured ? Given{required(read_force_curve(options.input)), options.tip.value_or(5) * 1e-3, 1}
-               : curve_of_scene(exec, options);
+  const Given given = measured
+                          ? Given{required(read_force_curve(options.input)), options.tip.value_or(5) * 1e-3,
+                                  1, required(force_curve_units(options.input))}
+                          : curve_of_scene(exec, options);
   const rhombus::Fit fit = required(rhombus::calibrate(given.curve, start_of_fit(options, given.tip)),
                                     options.input.string() + ": ");
   write_curves(given.curve, fit, folder.path());
   required(write_file(folder.path() / kReportFile, json_text(to_json(options, given, fit)) + "\n"));
   commit_results(folder);
-  print(given, fit, folder.goal());
+  print(options.input, given, fit, folder.goal());
 }
 
 }  // namespace

@@ -74,6 +74,7 @@ Json to_json(const IdentifyOptions& options, const std::vector<MeasuredForce>& t
   for (std::size_t t = 0; t < tables.size(); t++)
     measured.push_back({{"file", options.files[t].string()},
                         {"tool", tables[t].tool},
+                        {"units", tables[t].units},
                         {"rows", tables[t].at.size()},
                         {"residual", found.residuals[t]}});
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
@@ -97,7 +98,10 @@ Json to_json(const IdentifyOptions& options, const std::vector<MeasuredForce>& t
           {"notes", found.notes}};
 }
 
-void print(const Identified& found, const fs::path& out) {
+void print(const IdentifyOptions& options, const std::vector<MeasuredForce>& tables, const Identified& found,
+           const fs::path& out) {
+  for (std::size_t t = 0; t < tables.size(); t++)
+    print_plain("{} read as {}\n", options.files[t].string(), tables[t].units);
   for (const FittedParameter& p : found.parameters)
     print_plain("{}   {:.5g}   95 % interval {:.5g} to {:.5g}   10 % of it change the force by {:.2g} %\n",
                 p.key, p.value, p.low, p.high, 10 * p.sensitivity);
@@ -137,7 +141,7 @@ void identify_tissue(const Exec& exec, IdentifyOptions& options) {
   write_curves(tables, found, folder.path());
   required(write_file(folder.path() / kReportFile, json_text(to_json(options, tables, found)) + "\n"));
   commit_results(folder);
-  print(found, folder.goal());
+  print(options, tables, found, folder.goal());
 }
 
 }  // namespace
@@ -149,10 +153,11 @@ void add_identify_command(CLI::App& program, Global& global) {
   command->add_option("scene", options->input.scene, "A scene whose tool moves as in the measurement")
       ->required();
   command
-      ->add_option("table", options->files,
-                   "Two columns: depth_mm,force_N (or _m, _mN), compared while the tool moves in; or "
-                   "time_s,force_N, compared at the scene's time. Several tables, such as those of two "
-                   "probes, are fitted together")
+      ->add_option(
+          "table", options->files,
+          "Two columns: depth_mm,force_N (or other units, as in \"depth [m]\"), compared while the tool "
+          "moves in; or time_s,force_N, compared at the scene's time. Several tables, such as those of two "
+          "probes, are fitted together")
       ->required();
   command
       ->add_option("--fit", options->fits,

@@ -37,6 +37,7 @@ TEST(IdentifyCommand, FitsTableAndRefusesWrongInput) {
         run_program("identify press.toml " + table + ".csv --fit body.pad.young=3000 -o " + table, folder);
     ASSERT_EQ(ended.code, 0) << ended.printed;
     EXPECT_NE(ended.printed.find("95 % interval"), std::string::npos);
+    EXPECT_NE(ended.printed.find(table + ".csv read as mm, mN"), std::string::npos) << ended.printed;
     const json report = report_in(folder / table);
     EXPECT_TRUE(report["converged"].get<bool>());
     young[n] = report["parameters"][0]["value"];
@@ -46,9 +47,11 @@ TEST(IdentifyCommand, FitsTableAndRefusesWrongInput) {
 
   write(folder / "bad.csv", "depth_mm,force_N\n0.4,8\nx,22\n");
   write(folder / "deep.csv", "depth_mm,force_mN\n0.4,8\n0.8,22\n1.2,40\n16,60\n");
-  for (const char* wrong : {"bad.csv --fit body.pad.young=3000", "soft.csv --fit body.pad.young=-3",
-                            "soft.csv --fit body.pad.yuong=3", "deep.csv --fit body.pad.young=3000",
-                            "soft.csv --fit body.pad.young=3000 --tool none"}) {
+  write(folder / "stone.csv", "Distance (mm),Force (stone)\n0.4,8\n0.8,22\n1.2,40\n1.6,60\n");
+  for (const char* wrong :
+       {"bad.csv --fit body.pad.young=3000", "stone.csv --fit body.pad.young=3000",
+        "soft.csv --fit body.pad.young=-3", "soft.csv --fit body.pad.yuong=3",
+        "deep.csv --fit body.pad.young=3000", "soft.csv --fit body.pad.young=3000 --tool none"}) {
     const Ended ended = run_program(std::string("identify press.toml ") + wrong + " -o wrong", folder);
     EXPECT_EQ(ended.code, 2) << wrong << ": " << ended.printed;
     EXPECT_FALSE(fs::exists(folder / "wrong")) << wrong;

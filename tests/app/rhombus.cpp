@@ -57,6 +57,7 @@ TEST(RhombusRun, CalibratesMeasuredCurve) {
   const Ended ended = run_program("calibrate curve.csv --out fit", folder);
   ASSERT_EQ(ended.code, 0) << ended.printed;
   EXPECT_NE(ended.printed.find("within 10 %"), std::string::npos) << ended.printed;
+  EXPECT_NE(ended.printed.find("curve.csv read as m, N"), std::string::npos) << ended.printed;
   const json report = report_in(folder / "fit");
   EXPECT_LT(report["residual_largest"].get<double>(), 0.10);
   EXPECT_TRUE(report["accepted"].get<bool>());
@@ -92,6 +93,8 @@ TEST(RhombusRun, WrongInputsEndWithMessage) {
   EXPECT_NE(printed("phantom liver --size 8 8 8 -o liver.obj").find("a surface has no --size"),
             std::string::npos);
   EXPECT_NE(printed("calibrate missing.csv").find("missing.csv"), std::string::npos);
+  write(folder / "stone.csv", "Distance (mm),Force (stone)\n0,0\n1,5\n2,10\n3,15\n");
+  EXPECT_NE(printed("calibrate stone.csv").find("found \"stone\""), std::string::npos);
   write(folder / "few.csv", "0,0\n0.001,0.1\n");
   EXPECT_NE(printed("calibrate few.csv").find("at least 4 points"), std::string::npos);
   write(folder / "open.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");

@@ -1,47 +1,50 @@
 #include "turgor/sim/measured_force.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/io/files/number_table.hpp"
+#include "turgor/sim/tools/column_units.hpp"
 
 namespace turgor {
 
 namespace {
 
-/// Unit in brackets or after the last underscore of a column name.
-std::string column_unit(std::string name) {
-  std::erase_if(name, [](char c) { return c == '[' || c == ']' || c == ' ' || c == '"'; });
-  const std::size_t at = name.find_last_of('_');
-  return at == std::string::npos ? "" : name.substr(at + 1);
-}
-
-struct ColumnUnits {
+/// Units of the two columns.
+struct TableUnits {
   bool by_time = false;
-  double at = 1, force = 1;  // to SI
+  ColumnUnit at{"m", 1}, force{"N", 1};
 };
-Result<ColumnUnits> column_units(const std::filesystem::path& file) {
+bool names_time(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](char c) { return char(std::tolower(static_cast<unsigned char>(c))); });
+  return name.find("time") != std::string::npos;
+}
+Result<TableUnits> table_units(const std::filesystem::path& file) {
   const Result<std::vector<std::string>> names = read_column_names(file);
   if (!names) return names.error();
-  ColumnUnits units;
-  if (names->size() != 2) return units;
-  static const std::map<std::string, double> kAt{
-      {"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"s", 1}, {"ms", 1e-3}};
-  static const std::map<std::string, double> kForce{{"N", 1}, {"mN", 1e-3}, {"gf", 9.80665e-3}};
-  const std::string first = column_unit((*names)[0]), second = column_unit((*names)[1]);
-  units.by_time = (*names)[0].find("time") != std::string::npos || first == "s" || first == "ms";
-  const auto at = kAt.find(first.empty() ? (units.by_time ? "s" : "m") : first);
-  const auto force = kForce.find(second.empty() ? "N" : second);
-  if (at == kAt.end() || force == kForce.end() || units.by_time != (at->first == "s" || at->first == "ms"))
+  TableUnits units;
+  const bool has_meaning = std::any_of(names->begin(), names->end(), [](const std::string& name) {
+    return !unit_of(name).empty() || names_time(name);
+  });
+  if (names->size() != 2 && !has_meaning) return units;  // none, or a title
+  const std::string &first = names->front(), &second = names->back();
+  if (names->size() != 2 || (force_unit(unit_of(first)) && !force_unit(unit_of(second))))
     return Error{
-        fmt::format("{}: expected columns such as depth_mm,force_N or time_s,force_N, found \"{:.40}\" "
-                    "and \"{:.40}\"",
-                    file.string(), (*names)[0], (*names)[1])};
-  units.at = at->second, units.force = force->second;
+        fmt::format("{}: expected columns such as depth_mm,force_N or time_s,force_N, found {} names, from "
+                    "\"{:.40}\" to \"{:.40}\"",
+                    file.string(), names->size(), first, second)};
+  units.by_time = names_time(first) || time_unit(unit_of(first));
+  const Result<ColumnUnit> at =
+      column_unit(file, first, units.by_time ? ColumnKind::kTime : ColumnKind::kLength);
+  if (!at) return at.error();
+  const Result<ColumnUnit> force = column_unit(file, second, ColumnKind::kForce);
+  if (!force) return force.error();
+  units.at = *at, units.force = *force;
   return units;
 }
 
@@ -73,18 +76,19 @@ Status check_measured(const MeasuredForce& measured) {
 }
 
 Result<MeasuredForce> read_measured_force(const std::filesystem::path& file) {
-  const Result<ColumnUnits> units = column_units(file);
+  const Result<TableUnits> units = table_units(file);
   if (!units) return units.error();
   const std::string expected =
       units->by_time ? "two numbers, a time and a force" : "two numbers, a depth and a force";
   const Result<std::vector<NumberRow>> rows = read_number_table(file, expected);
   if (!rows) return rows.error();
-  MeasuredForce measured{.by_time = units->by_time};
+  MeasuredForce measured{.by_time = units->by_time, .units = units->at.name + ", " + units->force.name};
   for (const NumberRow& row : *rows) {
     if (row.values.size() != 2)
       return Error{
           fmt::format("{}:{}: expected {}, found \"{:.60}\"", file.string(), row.line, expected, row.text)};
-    measured.at.push_back(row.values[0] * units->at), measured.force.push_back(row.values[1] * units->force);
+    measured.at.push_back(row.values[0] * units->at.size);
+    measured.force.push_back(row.values[1] * units->force.size);
   }
   if (const Status status = check_measured(measured); !status)
     return Error{fmt::format("{}: {}", file.string(), status.error().message)};

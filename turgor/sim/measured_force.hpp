@@ -15,9 +15,10 @@ struct MeasuredForce {
   std::vector<double> at;     // ascending
   std::vector<double> force;  // [N]
   std::string tool;           // its name in the scene; empty: the first
+  std::string units;          // by which its file was read, "mm, N"; empty: no file
 };
-/// Reads two columns with a header such as depth_mm,force_N or time_s,force_mN; without a header, depth [m]
-/// and force [N]. Error: file, line, expected and found.
+/// Reads two columns with a header such as depth_mm,force_N or time [s],force [mN]; without a header, depth
+/// [m] and force [N]. Error: file, line or column, expected and found.
 Result<MeasuredForce> read_measured_force(const std::filesystem::path& file);
 
 /// Error: a number that is not finite, a row below the previous one or below 0, or no force.

@@ -43,6 +43,22 @@ TEST_F(ForceCurve, AppliesUnitsOfColumns) {
             "curve.csv: expected a depth before its force, found the columns \"force_N\" and \"depth_mm\"");
 }
 
+// Kilonewtons and grams of force are applied; unknown units are refused with the column and the known ones.
+TEST_F(ForceCurve, RefusesUnknownUnits) {
+  EXPECT_DOUBLE_EQ((*read_force_curve(file("depth_mm,force_kN\n1,0.02\n")))[0].force, 20);
+  EXPECT_DOUBLE_EQ((*read_force_curve(file("Distance (mm),Force (g)\n1,5\n")))[0].force, 5 * 9.80665e-3);
+  EXPECT_EQ(*force_curve_units(file("Distance (mm),Force (g)\n1,5\n")), "mm, g");
+  EXPECT_EQ(*force_curve_units(file("1,5\n")), "m, N");
+  EXPECT_EQ(message("Distance (mm),Force (stone)\n1,5\n"),
+            "curve.csv: column \"Force (stone)\": expected a unit of force (N, kN, cN, mN, uN, g, gf, kgf), "
+            "found \"stone\"");
+  EXPECT_EQ(message("x_furlong,force_N\n1,5\n"),
+            "curve.csv: column \"x_furlong\": expected a unit of length (m, cm, mm, um, µm, μm), found "
+            "\"furlong\"");
+  EXPECT_EQ(message("depth [mm] force [mN]\n1 5\n"),
+            "curve.csv: expected the names of two columns, a depth and a force, found 4");
+}
+
 // Every spelling of the micrometer is recognized.
 TEST_F(ForceCurve, ReadsEverySpellingOfMicrometer) {
   for (const char* header :

@@ -76,6 +76,15 @@ TEST(ToolPath, ReadsFilesWithColumnNames) {
   EXPECT_DOUBLE_EQ((*with_units)[1].time, 0.5);
   EXPECT_NEAR(norm((*with_units)[1].position - Vec3d{0.004, 0.05, 6}), 0, 1e-12);
   EXPECT_TRUE((*with_units)[1].hold);
+  for (const char* header : {"t_s,x_furlong,y_mm,z_mm", "t (h),x,y,z", "t_s,x_N,y,z"}) {
+    test::write(folder / "unknown.csv", std::string(header) + "\n0,1,2,3\n");
+    const auto unknown = read_path_rows(folder / "unknown.csv");
+    ASSERT_FALSE(unknown) << header;
+    EXPECT_NE(unknown.error().message.find("unknown.csv: column"), std::string::npos)
+        << unknown.error().message;
+  }
+  test::write(folder / "words.csv", "time,tool_x,tool_y,tool_z\n0,1,2,3\n");
+  EXPECT_TRUE(read_path_rows(folder / "words.csv")) << "words that are no units";
   test::write(folder / "bad.csv", "0,1,2,3\n1,a,2,3\n");
   EXPECT_EQ(read_path_rows(folder / "bad.csv").error().message,
             (folder / "bad.csv").string() + ":2: expected numbers t, x, y, z, found \"1,a,2,3\"");

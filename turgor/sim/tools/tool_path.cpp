@@ -52,8 +52,10 @@ Result<std::array<double, 4>> path_scales(const std::filesystem::path& file) {
   const Result<std::vector<std::string>> names = read_column_names(file);
   if (!names) return names.error();
   for (std::size_t c = 0; c < std::min(names->size(), scales.size()); c++) {
-    const std::string unit = unit_of((*names)[c]);
-    scales[c] = (c == 0 ? time_unit(unit) : length_unit(unit)).value_or(1);
+    const Result<ColumnUnit> unit =
+        column_unit(file, (*names)[c], c == 0 ? ColumnKind::kTime : ColumnKind::kLength);
+    if (!unit) return unit.error();
+    scales[c] = unit->size;
   }
   return scales;
 }

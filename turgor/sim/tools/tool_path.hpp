@@ -19,8 +19,8 @@ struct ToolPath {
 /// Rows of [t, x, y, z], optionally with hold (0 or 1) and a quaternion w, x, y, z. Error: the first row with
 /// a wrong length, a value that is not finite, or a time not after the previous one.
 Result<std::vector<PathRow>> path_rows(const std::vector<std::vector<double>>& rows);
-/// The same from a file. Names in the first line may end with units, as in t_ms and x_mm. Errors name file
-/// and line.
+/// The same from a file. Names in the first line may declare units, as in t_ms and x_mm. Errors name file,
+/// and line or column.
 Result<std::vector<PathRow>> read_path_rows(const std::filesystem::path& file);
 
 /// Interpolated pose at a time.
