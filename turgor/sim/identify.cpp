@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/sim/student_quantile.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -143,12 +144,6 @@ Numbers damped_step(std::vector<Numbers> normal, const std::vector<Numbers>& slo
   return step;
 }
 
-/// Quantile of Student's distribution for 95 % of both sides, by the expansion of Cornish and Fisher.
-double student_quantile(double freedom) {
-  const double z = 1.959964, z3 = z * z * z, z5 = z3 * z * z;
-  return z + (z3 + z) / (4 * freedom) + (5 * z5 + 16 * z3 + 3 * z) / (96 * freedom * freedom);
-}
-
 /// Confidence intervals and notes from the sensitivities at the solution.
 void add_confidence(const std::vector<FitParameter>& parameters, const Numbers& logs,
                     const std::vector<Numbers>& slopes, const Numbers& residual, Identified& result) {
@@ -158,8 +153,9 @@ void add_confidence(const std::vector<FitParameter>& parameters, const Numbers& 
   const std::vector<Numbers> covariance = inverse(normal_matrix(slopes));
   for (std::size_t p = 0; p < logs.size(); p++) {
     FittedParameter fitted{.key = parameters[p].key, .value = std::exp(logs[p])};
-    const double width = covariance.empty() ? std::numeric_limits<double>::infinity()
-                                            : student_quantile(freedom) * std::sqrt(noise * covariance[p][p]);
+    const double width = covariance.empty()
+                             ? std::numeric_limits<double>::infinity()
+                             : student_quantile(int(freedom)) * std::sqrt(noise * covariance[p][p]);
     fitted.low = fitted.value * std::exp(-width), fitted.high = fitted.value * std::exp(width);
     fitted.sensitivity = std::sqrt(product(slopes[p], slopes[p]) / rows);
     fitted.is_observable = width < kNarrow;
