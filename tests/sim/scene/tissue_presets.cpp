@@ -78,6 +78,34 @@ TEST(TissuePresets, LawsAreWhole) {
   EXPECT_EQ(skin, 2);
 }
 
+// Fabrics are the published numbers, typed again from the table of Wang, O'Brien and Ramamoorthi: density,
+// the first row of the stretch table, and the first number of the first and third row of the bending table.
+TEST(TissuePresets, FabricsArePublishedNumbers) {
+  struct Published {
+    const char* name;
+    double density, stretch[4], bend_warp, bend_weft;
+  };
+  constexpr Published kPublished[] = {
+      {"black-denim", 0.324, {205.352005, 10.234077, 1013.88629, 53.387184}, 6.4196457e-05, 9.6951576e-05},
+      {"ponte-roma", 0.284, {31.146198, -12.802702, 44.028667, 31.896357}, 3.6348366e-05, 3.7157593e-05},
+      {"interlock", 0.187, {16.593832, -14.69599, 34.477123, 36.860302}, 2.3191698e-05, 1.4267624e-05},
+      {"rib-knit", 0.276, {42.871021, -0.234556, 65.166023, 83.175644}, 4.6237591e-05, 3.2243889e-05},
+      {"sparkle-sweat", 0.224, {12.486332, -19.875324, 3.272434, 17.616289}, 5.9469658e-05, 4.5625023e-05}};
+  for (const Published& fabric : kPublished) {
+    const TissuePreset* preset = find_preset(fabric.name, PresetKind::kFabric);
+    ASSERT_TRUE(preset) << fabric.name;
+    const auto of = [&](const char* key) { return value_or(preset, key, -1); };
+    const auto& [warp, cross, weft, shear] = fabric.stretch;
+    EXPECT_EQ(of("density"), fabric.density) << fabric.name;
+    EXPECT_EQ(of("warp"), warp) << fabric.name;
+    EXPECT_EQ(of("weft"), weft) << fabric.name;
+    EXPECT_EQ(of("shear"), shear) << fabric.name;
+    EXPECT_DOUBLE_EQ(of("poisson"), std::max(cross, 0.0) / weft) << fabric.name;
+    EXPECT_EQ(of("rigidity_warp"), fabric.bend_warp) << fabric.name;
+    EXPECT_EQ(of("rigidity_weft"), fabric.bend_weft) << fabric.name;
+  }
+}
+
 // Each kind finds its own presets, and chains also those of solids.
 TEST(TissuePresets, KindsFindTheirOwn) {
   ASSERT_TRUE(find_preset("liver", PresetKind::kSolid));
