@@ -62,23 +62,39 @@ TEST(Plausibility, OverstretchedCloth_Warns) {
   EXPECT_TRUE(overstretched(seen).empty());
 }
 
+/// Warnings of the world of four bodies with a press of the pad.
+std::vector<std::string> warnings_of_press(std::vector<std::string> overrides) {
+  overrides.emplace_back("output.video=false");
+  const Scene scene = test::four_kinds_scene(test::fresh_folder(), overrides);
+  Result<World> world = load_world(Exec(2), scene);
+  EXPECT_TRUE(world) << world.error().message;
+  const Result<Simulated> done = simulate(Exec(2), scene, *world);
+  EXPECT_TRUE(done) << done.error().message;
+  return overpressed(*world, done->measures.pressed);
+}
+constexpr const char *kGentle = "tool.finger.press.depth=0.001", *kDeep = "tool.finger.press.depth=0.012";
+
 // A contact pressure above Young's modulus causes a warning; a gentle contact does not.
 TEST(Plausibility, ContactAboveModulus_Warns) {
-  const std::filesystem::path folder = test::fresh_folder();
-  for (const bool deep : {false, true}) {
-    const Scene scene = test::four_kinds_scene(
-        folder,
-        {deep ? "tool.finger.press.depth=0.012" : "tool.finger.press.depth=0.001", "output.video=false"});
-    Result<World> world = load_world(Exec(2), scene);
-    ASSERT_TRUE(world) << world.error().message;
-    const Result<Simulated> done = simulate(Exec(2), scene, *world);
-    ASSERT_TRUE(done) << done.error().message;
-    const std::vector<std::string> warnings = overpressed(*world, done->measures.pressed);
-    EXPECT_EQ(warnings.size(), deep ? 1u : 0u);
-    if (deep) {
-      EXPECT_NE(warnings.at(0).find("pad: the contact pressure was"), std::string::npos) << warnings[0];
-    }
-  }
+  EXPECT_TRUE(warnings_of_press({kGentle}).empty());
+  const std::vector<std::string> warnings = warnings_of_press({kDeep});
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("pad: the contact pressure was"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("(5 kPa)"), std::string::npos) << warnings[0];
+}
+
+// The modulus is that below the contact: a stiff sphere in a far corner, at the surface, changes nothing, and
+// a stiff sphere below the finger bears the pressure. A factor of all stiffnesses changes both alike.
+TEST(Plausibility, StiffSphere_CountsBelowContactOnly) {
+  const auto sphere = [](const char* center) {
+    return std::string("body.pad.inclusion.stone={ center_fraction = ") + center +
+           ", radius = 0.009, young = 1e6 }";
+  };
+  const std::vector<std::string> far = warnings_of_press({kDeep, sphere("[1, 1, 1]")});
+  ASSERT_EQ(far.size(), 1u);
+  EXPECT_NE(far[0].find("(5 kPa)"), std::string::npos) << far[0];
+  EXPECT_TRUE(warnings_of_press({kGentle, sphere("[0.3, 0.5, 1]")}).empty());
+  EXPECT_TRUE(warnings_of_press({kGentle, "body.pad.stiffness_scale=10"}).empty());
 }
 
 }  // namespace

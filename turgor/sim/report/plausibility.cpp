@@ -1,11 +1,14 @@
 #include "turgor/sim/report/plausibility.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/geometry/triangle_point.hpp"
+#include "turgor/models/sfem/elements.hpp"
 #include "turgor/models/sfem/surface_strain.hpp"
 #include "turgor/sim/world.hpp"
 
@@ -23,6 +26,64 @@ std::string meters(double length) {
 double across(const Box& box) {
   const Vec3d size = box.high - box.low;
   return std::max({size.x, size.y, size.z});
+}
+
+/// Moduli of the elements below a body's surface, with the present factor of its stiffness.
+struct SurfaceModuli {
+  explicit SurfaceModuli(const SfemBody& body)
+      : model(body.model),
+        material(sfem::element_materials(body.model.body)),
+        scale(body.now.stiffness_scale) {}
+
+  double of_triangle(std::size_t t) const {
+    const int element = model.surface.element[t];
+    return scale * model.body.materials[std::size_t(material[std::size_t(element)])].young;
+  }
+  double least() const {
+    double young = std::numeric_limits<double>::infinity();
+    for (std::size_t t = 0; t < model.surface.triangles.size(); t++) young = std::min(young, of_triangle(t));
+    return young;
+  }
+  /// Modulus behind the triangle nearest to a position at rest; of several at the same distance, the largest.
+  double at(Vec3d x) const {
+    constexpr double kSame = 1e-9;  // [m]
+    const std::vector<Vec3d>& vertices = model.body.mesh.vertices;
+    double nearest = std::numeric_limits<double>::infinity(), young = 0;
+    for (std::size_t t = 0; t < model.surface.triangles.size(); t++) {
+      const Int3 corners = model.surface.triangles[t];
+      const Vec3d a = vertices[std::size_t(corners.x)], b = vertices[std::size_t(corners.y)],
+                  c = vertices[std::size_t(corners.z)];
+      const Vec3d w = closest_weights(x, a, b, c);
+      const double distance = norm(a * w.x + b * w.y + c * w.z - x);
+      if (distance > nearest + kSame) continue;
+      young = distance < nearest - kSame ? of_triangle(t) : std::max(young, of_triangle(t));
+      nearest = std::min(nearest, distance);
+    }
+    return young;
+  }
+
+  const sfem::Model& model;
+  std::vector<int> material;  // of each element
+  double scale;
+};
+
+/// Pressed vertex with the largest pressure relative to the modulus below it.
+struct Overpressed {
+  double pressure = 0, young = 0;  // [Pa]
+};
+Overpressed find_overpressed(const SfemBody& body, const BodySnapshot& pressed) {
+  TURGOR_CHECK(pressed.pressure.size() == pressed.rest.size(), "every vertex has a pressure");
+  const SurfaceModuli moduli(body);
+  const double least = moduli.least();
+  Overpressed most{.pressure = 0, .young = 1};
+  for (std::size_t v = 0; v < pressed.rest.size(); v++) {
+    // skip pressures that cannot be the largest, whatever is below them
+    const auto pressure = double(pressed.pressure[v]);
+    if (!(pressure > least && pressure * most.young > most.pressure * least)) continue;
+    const double young = moduli.at(Vec3d(pressed.rest[v]));
+    if (pressure * most.young > most.pressure * young) most = {pressure, young};
+  }
+  return most;
 }
 
 }  // namespace
@@ -96,12 +157,9 @@ std::vector<std::string> overpressed(const World& world, const std::vector<Press
 
     TURGOR_CHECK(is_index(one.body.id.index, world.sfem_bodies.size()),
                  "a pressed organ is a body of the world");
-    // largest pressure against the largest modulus
     const SfemBody& body = world.sfem_bodies[std::size_t(one.body.id.index)];
     if (body.law) continue;
-    double young = 0;
-    for (const sfem::Material& material : body.model.body.materials) young = std::max(young, material.young);
-    const double most = double(*std::max_element(one.body.pressure.begin(), one.body.pressure.end()));
+    const auto [most, young] = find_overpressed(body, one.body);
     if (most > young)
       sentences.push_back(
           fmt::format("{}: the contact pressure was {:.3g} kPa at {:.2f} s, above Young's modulus "
