@@ -186,7 +186,7 @@ double slant_error(const SlantedBlock& slanted) {
   const std::vector<Vec3d> u = sfem::point_displacements(*patch);
   double error = 0;
   for (std::size_t p = 0; p < u.size(); p++)
-    error = std::max(error, norm(u[p] - linear->points[p].x.z * slanted.g));
+    error = widest(error, norm(u[p] - linear->points[p].x.z * slanted.g));
   return error / (size.z * norm(slanted.g));
 }
 

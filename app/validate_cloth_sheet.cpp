@@ -280,7 +280,7 @@ void add_drape_figures(const Exec& exec, std::vector<Figure>& figures) {
   for (const double size : {0.01, 0.006})
     for (const Cells* cells : {&squares, &random}) {
       const double found = mean_drape_coefficient(exec, *cells, size);
-      least = std::min(least, found), most = std::max(most, found);
+      least = narrowest(least, found), most = widest(most, found);
       figures.push_back(near_figure(name + cells->name + " of " + millimeters(size),
                                     "squares and random triangles of 4 mm", found, fine, 0.05));
     }

@@ -82,7 +82,8 @@ void set_errors(const std::vector<double>& force, const std::vector<double>& ref
   for (std::size_t p = 0; p < force.size(); p++) {
     const double error = force[p] / reference[p] - 1;
     row.mean += error / double(force.size());
-    if (std::abs(error) > std::abs(row.worst)) row.worst = error;
+    // an error that is not finite is kept
+    if (std::isfinite(row.worst) && !(std::abs(error) <= std::abs(row.worst))) row.worst = error;
   }
 }
 

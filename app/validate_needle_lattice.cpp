@@ -141,7 +141,7 @@ void add_comparison(const Exec& exec, std::vector<Figure>& figures) {
     NeedlePush reference = needle_above(inner, needle, at + Vec3d{0, 0, size.z}, c.tilt, 0.7);
     int ticks = 0;
     push_to(reference, 0.03, kSlow / 10, [&](double, double force) {
-      if (reference.state.punctures == 0) found[1].puncture = std::max(found[1].puncture, force);
+      if (reference.state.punctures == 0) found[1].puncture = widest(found[1].puncture, force);
       if (reference.state.inserted > kFrom && reference.state.inserted < kTo) found[1].mean += force, ticks++;
     });
     found[1].mean /= std::max(1, ticks);
@@ -201,8 +201,8 @@ void add_two_needles(const Exec& exec, std::vector<Figure>& figures) {
   step_needles(exec, body, pushes);
   double apart = 0, most = 0;
   push_to(exec, body, pushes, 0.02, kSlow, [&] {
-    apart = std::max(apart, std::abs(force_on(pushes[0]) - force_on(pushes[1])));
-    most = std::max(most, force_on(pushes[0]));
+    apart = widest(apart, std::abs(force_on(pushes[0]) - force_on(pushes[1])));
+    most = widest(most, force_on(pushes[0]));
   });
   figures.push_back(most_figure("two needles in a lattice: difference of their forces over the largest",
                                 "mirror symmetry", "1", apart / most, 0.02));

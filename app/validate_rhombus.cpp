@@ -35,7 +35,7 @@ double press_error(double deepest) {
       for (double fraction = 0.003; fraction < deepest; fraction *= 1.13) {
         const double expected = rhombus::sneddon_force(modulus, radius, fraction * radius);
         const double found = rhombus::force_of_tip(chain, rhombus::tip_on(chain, radius), fraction * radius);
-        worst = std::max(worst, std::abs(found / expected - 1));
+        worst = widest(worst, std::abs(found / expected - 1));
       }
   }
   return worst;
@@ -50,7 +50,7 @@ double pull_error(double farthest) {
       const double disc =
           rhombus::disc_stiffness(rhombus::contact_modulus(4e3, 0.5), radius) * fraction * radius;
       const double found = -rhombus::force_of_tip(chain, rhombus::tip_on(chain, radius), -fraction * radius);
-      worst = std::max(worst, std::abs(found / disc - 1));
+      worst = widest(worst, std::abs(found / disc - 1));
     }
   return worst;
 }
@@ -62,8 +62,8 @@ double growth_share() {
     const Chain chain = *rhombus::build_chain(tissue.chain);
     const double soft = 1 / rhombus::depth_of_force(chain, 0).compliance;
     for (double force = -50; force < 50; force += 0.013)
-      worst = std::max(worst, 1 / rhombus::depth_of_force(chain, force).compliance /
-                                  (soft + rhombus::growth_bound(chain) * std::abs(force)));
+      worst = widest(worst, 1 / rhombus::depth_of_force(chain, force).compliance /
+                                (soft + rhombus::growth_bound(chain) * std::abs(force)));
   }
   return worst;
 }
@@ -101,10 +101,9 @@ Grasped random_grasps(int count) {
     const rhombus::TouchForce first = tick();
     in.position += normalized(displacement) * 1e-5;
     const rhombus::TouchForce second = tick();
-    const double force = std::max(norm(first.force), norm(second.force));
-    most.force = std::isfinite(force) ? std::max(most.force, force) : INFINITY;
+    most.force = widest(widest(most.force, norm(first.force)), norm(second.force));
     if (!first.slipped && !second.slipped)
-      most.slope = std::max(most.slope, norm(second.force - first.force) / 1e-5);
+      most.slope = widest(most.slope, norm(second.force - first.force) / 1e-5);
   }
   return most;
 }
@@ -127,7 +126,7 @@ struct Ratios {
   double pressed[2] = {INFINITY, 0}, pulled[2] = {INFINITY, 0}, uneven[2] = {INFINITY, 0};
 };
 void widen(double (&range)[2], double ratio) {
-  range[0] = std::min(range[0], ratio), range[1] = std::max(range[1], ratio);
+  range[0] = narrowest(range[0], ratio), range[1] = widest(range[1], ratio);
 }
 
 /// Force of the elements when the vertices around a point move along z together by 1 m [N], and the radius of

@@ -50,8 +50,8 @@ DoubleInsertion insert_twice(const sfem::InnerGreen& inner, const contact::Needl
       if (depth > 0.015 && depth < 0.025)
         work[pass] += force * (depth - before), length[pass] += depth - before;
       before = depth;
-      if (push.state.punctures == 0) result.peak = std::max(result.peak, force);
-      if (pass == 0 && push.state.inserted > 0.003) result.drop = std::min(result.drop, force / result.peak);
+      if (push.state.punctures == 0) result.peak = widest(result.peak, force);
+      if (pass == 0 && push.state.inserted > 0.003) result.drop = narrowest(result.drop, force / result.peak);
     });
     if (pass == 0) result.error_inside = energy_error(push.state.work);
     push_to(push, -0.001, kStep);
@@ -138,7 +138,7 @@ void add_suture_needles(const Exec& exec, std::vector<Figure>& figures) {
         .diameter = diameter, .toughness = kSkin, .entry_toughness = kSkin, .exit_toughness = kSkin};
     NeedlePush push = needle_above(inner, needle, {0.0105, 0.0092, kThickness}, 0, 0);
     double largest = 0;
-    push_to(push, 0.01, kStep / 4, [&](double, double force) { largest = std::max(largest, force); });
+    push_to(push, 0.01, kStep / 4, [&](double, double force) { largest = widest(largest, force); });
     const bool is_through = push.state.tracks[std::size_t(push.state.track)].is_through;
     figures.push_back({fmt::format("suture needle of {} mm through skin: largest force", 1e3 * diameter),
                        "human abdominal skin, Maloney", "N", is_through ? largest : 0, 0.48, 1.0});

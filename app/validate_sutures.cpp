@@ -101,8 +101,7 @@ void add_bars(const Exec& exec, std::vector<Figure>& figures) {
     closure.thread = {.stiffness = 72, .strength = 50}, closure.pull_out = 50;
     sew(exec, {.duration = 0.4}, 200, body, closure);
     double gape = 0;
-    for (const Stitch& stitch : closure.stitches)
-      gape = std::max(gape, gape_under(stitch, body.state.motion));
+    for (const Stitch& stitch : closure.stitches) gape = widest(gape, gape_under(stitch, body.state.motion));
     figures.push_back(near_figure(fmt::format("{}: closing force", c.name), "force through a section",
                                   closing_force(closure, body.state.motion), section_force(exec, body, 4),
                                   0.01));

@@ -230,7 +230,7 @@ Figure motion(const Exec& exec, TissueLaw law, double spacing, int sweeps, const
   double farthest = 0;
   for (int n = 0; n < kFrames; n++) {
     few.run(exec, kFrame, kFrame), many.run(exec, kFrame, kFrame);
-    farthest = std::max(farthest, std::abs(few.gape() - many.gape()));
+    farthest = widest(farthest, std::abs(few.gape() - many.gape()));
   }
   std::string what = fmt::format("wound in {} in motion, spacing {:.1f} mm, 60 Hz, {} sweeps", name_of(law),
                                  1e3 * spacing, sweeps);

@@ -1,6 +1,9 @@
 // A figure of docs/validation.md: result of a model, its reference, and the bound that it must keep.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,6 +24,13 @@ struct Figure {
 };
 
 inline bool is_missed(const Figure& f) { return !(f.found >= f.low && f.found <= f.high); }
+
+/// The larger of both; infinity if `found` is not finite, so that its figure is missed.
+inline double widest(double worst, double found) {
+  return std::isfinite(found) ? std::max(worst, found) : std::numeric_limits<double>::infinity();
+}
+/// The smaller of both; minus infinity if `found` is not finite.
+inline double narrowest(double least, double found) { return -widest(-least, -found); }
 
 /// Figure with |found/expected − 1| ≤ `bound`.
 Figure near_figure(const std::string& name, const std::string& against, double found, double expected,
