@@ -13,6 +13,7 @@
 
 #include "app/least_squares.hpp"
 #include "app/measured_table.hpp"
+#include "app/muscle_points.hpp"
 #include "turgor/models/lattice/build/block_body.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/prony.hpp"
@@ -25,27 +26,6 @@ namespace {
 constexpr const char* kMuscleSource = "Van Loocke, Lyons, Simms 2008 (Journal of Biomechanics 41, 1555)";
 constexpr double kFinal = 0.3;                 // compression that is held [1]
 constexpr double kFast = 0.01, kSlow = 0.005;  // rates of the ramps [1/s]
-
-struct StressPoint {
-  double time, stress;  // [s], compressive Cauchy stress [kPa]
-};
-// quoted points of the published curves
-constexpr StressPoint kAlongSlow[] = {
-    {0.06966, 0.007628}, {17.74, 0.1242}, {32.33, 0.297},  {43.02, 0.5002}, {51.32, 0.8388}, {55.7, 1.067},
-    {58.33, 1.256},      {59.99, 1.435},  {60.61, 1.343},  {73.52, 0.9706}, {102.6, 0.8114}, {144.7, 0.702},
-    {187.6, 0.6475},     {215.5, 0.6178}, {254.5, 0.5861}, {292.2, 0.5594}, {314, 0.5542},   {352.5, 0.5313}};
-constexpr StressPoint kAlongFast[] = {
-    {0.6165, 0.01738}, {10.28, 0.1774}, {16.24, 0.3483}, {20.76, 0.5234}, {24.93, 0.833},  {26.89, 1.048},
-    {28.59, 1.253},    {29.82, 1.436},  {30.45, 1.393},  {35.18, 1.062},  {52.7, 0.849},   {85.34, 0.7227},
-    {127.4, 0.6578},   {155.8, 0.6189}, {193.6, 0.5879}, {232, 0.5578},   {274.5, 0.5433}, {328.4, 0.5202}};
-constexpr StressPoint kAcrossSlow[] = {
-    {0.2517, 0.008979}, {19.96, 0.2032}, {34, 0.4445},   {42.86, 0.7073}, {47.4, 0.8949},  {53.18, 1.169},
-    {56.5, 1.449},      {59.19, 1.729},  {59.62, 1.662}, {66.9, 1.446},   {85.04, 1.298},  {107.1, 1.207},
-    {138.5, 1.137},     {206.3, 1.039},  {245, 1.017},   {274.7, 0.9897}, {313.5, 0.9655}, {356.2, 0.9449}};
-constexpr StressPoint kAcrossFast[] = {
-    {0.72, 0.01083}, {7.843, 0.2129}, {16.47, 0.5494}, {20.45, 0.783},  {23.46, 1.036}, {25.72, 1.285},
-    {28.32, 1.603},  {29.59, 1.838},  {30.01, 1.746},  {37.13, 1.419},  {54.6, 1.246},  {97.27, 1.093},
-    {130.4, 1.04},   {171.7, 0.9805}, {206.8, 0.9477}, {252.8, 0.9113}, {283, 0.8969},  {324.8, 0.8811}};
 
 enum class MuscleLaw : std::uint8_t { kLinear, kExponential, kOgden };
 constexpr const char *kMuscleLawNames[] = {"linear", "exponential", "Ogden"},
@@ -228,7 +208,7 @@ void add_muscle_preset(const char* direction, std::span<const StressPoint> fast,
     MeasuredCurve points;
     for (std::size_t n = 0; n < found.size(); n++)
       points.points.push_back({curve.points[n].time, curve.points[n].stress, 0, found[n]});
-    worst = std::max(worst, relative_rms(points));
+    worst = widest(worst, relative_rms(points));
   }
   result.rows.push_back(
       {fmt::format("preset {}, both rates: rms over the peak", name), kMuscleSource, "1", 0, 0, 0.05, worst});
