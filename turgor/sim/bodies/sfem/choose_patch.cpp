@@ -23,7 +23,7 @@ constexpr int kUsualRefinement = 2, kMostRefinement = 4;
 constexpr double kErrorGoal = 0.04;     // expected force error, below the promised 5 %
 constexpr double kUsualElements = 800;  // fine elements of a patch that is built in about a tenth of a second
 constexpr double kMostElements = 4000;  // fine elements of a patch that is built in seconds
-constexpr double kLawElements = 400;    // fine elements of a nonlinear patch that is solved in about 20 ms
+constexpr double kLawElements = 400;    // fine elements of a nonlinear patch that is solved in 13 to 28 ms
 
 /// Contact of one tool with the body.
 struct ExpectedContact {
