@@ -1,15 +1,14 @@
 #include "turgor/io/files/hdf5_file.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <utility>
 
 #include <fmt/format.h>
 #include <hdf5.h>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/io/files/hdf5_check.hpp"
 #include "turgor/io/files/input_file.hpp"
-#include "turgor/io/files/reader_program.hpp"
 
 namespace turgor {
 
@@ -84,24 +83,6 @@ void pack(hid_t properties, hsize_t rows, hsize_t columns, std::size_t value_siz
   H5Pset_fletcher32(properties);
 }
 
-/// Has turgor-read walk through the file first. HDF5 loops forever, exhausts memory or crashes on some
-/// damaged files. False if the file is damaged. Error: turgor-read gave no verdict.
-Result<bool> can_be_walked_through(const std::filesystem::path& path) {
-  const io::ChildLimits limits{.seconds = 120, .processor_seconds = 10, .memory = std::size_t{256} << 20};
-  const Result<std::filesystem::path> program = io::find_reader();
-  if (!program)
-    return Error{fmt::format("{}: cannot be checked: {}", path.string(), program.error().message)};
-  const io::Child child = io::start_reader(*program, {"hdf5", path.string()}, limits);
-  const Result<io::ChildEnd> end = io::end_of_reader(io::wait_for({&child, 1}, limits)[0]);
-  if (!end) return Error{fmt::format("{}: cannot be checked: {}", path.string(), end.error().message)};
-  // without a check if the system has no process to give
-  const bool is_refused = end->kind == io::ChildEnd::Kind::kNotStarted;
-  if (is_refused && (end->number == EAGAIN || end->number == ENOMEM || end->number == ECHILD)) return true;
-  if (is_refused || end->kind == io::ChildEnd::Kind::kTooLong)
-    return Error{fmt::format("{}: cannot be checked: {}", path.string(), describe(*end, limits))};
-  return bool(*end);
-}
-
 }  // namespace
 
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept
@@ -132,10 +113,12 @@ Result<Hdf5File> Hdf5File::open(const std::filesystem::path& path, bool* uncheck
   if (Status input = io::check_input(path); (is_file || !exists) && !input) return input.error();
   if (!is_file || H5Fis_hdf5(path.c_str()) <= 0)
     return Error{fmt::format("{}: expected an HDF5 file, found something else", path.string())};
-  const Result<bool> sound = can_be_walked_through(path);
-  if (unchecked) *unchecked = !sound;
-  if (!sound) return sound.error();
-  const hid_t id = *sound ? H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
+  const std::uintmax_t size = std::filesystem::file_size(path, failed);
+  const Result<std::string> damage = io::find_hdf5_damage(path, io::hdf5_check_limits(failed ? 0 : size));
+  if (unchecked) *unchecked = !damage;
+  if (!damage) return damage.error();
+  if (!damage->empty()) return Error{fmt::format("{}: the HDF5 file is {}", path.string(), *damage)};
+  const hid_t id = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   if (id < 0) return Error{fmt::format("{}: the HDF5 file is damaged or cut short", path.string())};
   return Hdf5File(path, id);
 }
