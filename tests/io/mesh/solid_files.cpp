@@ -83,6 +83,15 @@ TEST(SolidFiles, ReadsVtkWriterOutput) {
   }
 }
 
+// Ids of a binary legacy file, whose type is vtkIdType, have 4 bytes, as VTK writes them. Its region is such
+// an id; another field is of type vtktypeuint64.
+TEST(SolidFiles, VtkIdsHaveFourBytes) {
+  const Result<ReadSolid> read =
+      read_solid(fs::path(TURGOR_SOURCE_DIR) / "tests" / "fuzz" / "corpus" / "solid" / "vtk4-binary-ids.vtk");
+  expect_same(read, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 4, {0, 1, 2, 3}, {5}});
+  EXPECT_TRUE(read && read->notes.empty());
+}
+
 // A scale of 0.001 converts millimeters to meters.
 TEST(SolidFiles, ScaleConvertsMillimeters) {
   const fs::path folder = fresh_folder();

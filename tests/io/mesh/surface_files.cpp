@@ -184,6 +184,7 @@ TEST(SurfaceFiles, ReadsVtkWriterOutput) {
                {"base64-zlib.vtp", "VTP (compressed)", false},
                {"vtk4.vtk", "VTK 4.2", true},
                {"vtk4-binary.vtk", "VTK 4.2 (binary)", false},
+               {"vtk4-binary-ids.vtk", "VTK 4.2 (binary)", false},
                {"vtk5.vtk", "VTK 5.1", false},
                {"vtk5-binary.vtk", "VTK 5.1 (binary)", true}};
   for (const auto& file : files) {

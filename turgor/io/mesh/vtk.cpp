@@ -35,9 +35,9 @@ NumberType read_number_type(FileCursor& cursor) {
   if (size == "bit") return {NumberType::kUnsigned, 0};
   if (size == "char" || size == "signed_char") return {kind, 1};
   if (size == "short") return {kind, 2};
-  if (size == "int") return {kind, 4};
-  if (size == "long" || size == "long_long" || size == "vtktypeint64" || size == "vtkidtype")
-    return {kind, 8};
+  if (size == "int" || size == "vtkidtype") return {kind, 4};  // VTK writes its ids as int
+  if (size == "long" || size == "long_long" || size == "vtktypeint64") return {kind, 8};
+  if (size == "vtktypeuint64") return {NumberType::kUnsigned, 8};
   cursor.fail("a type of numbers such as float or int");
   return {};
 }
