@@ -7,6 +7,7 @@
 #include "turgor/io/files/file.hpp"
 #include "turgor/io/files/within_memory.hpp"
 #include "turgor/io/mesh/mesh_bytes.hpp"
+#include "turgor/io/mesh/mesh_frame.hpp"
 #include "turgor/io/mesh/solid_formats.hpp"
 #include "turgor/io/mesh/surface_formats.hpp"
 
@@ -71,7 +72,9 @@ Result<ReadSolid> read_solid(const fs::path& path, double scale) {
     if (!bytes) return bytes.error();
     const Result<io::FoundSolid> found = io::parse_solid(path, *bytes);
     if (!found) return found.error();
-    return io::finish_solid(path, *found, scale);
+    Result<ReadSolid> read = io::finish_solid(path, *found, scale);
+    if (read) io::note_frame(*bytes, found->frame, read->notes);
+    return read;
   });
 }
 

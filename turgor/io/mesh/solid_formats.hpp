@@ -43,6 +43,7 @@ struct FoundSolid {
   std::size_t curved = 0;        // elements whose nodes on edges, faces and inside are ignored
   std::size_t other_solids = 0;  // ignored prisms, pyramids, polyhedra
   std::vector<std::string> notes;
+  std::string frame;  // field kFrameField of a VTK file, such as "RAS"
 };
 
 /// Adds an element with all of its nodes; points, lines and surfaces are skipped.

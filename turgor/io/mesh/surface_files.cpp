@@ -7,6 +7,7 @@
 
 #include "turgor/io/files/within_memory.hpp"
 #include "turgor/io/mesh/mesh_bytes.hpp"
+#include "turgor/io/mesh/mesh_frame.hpp"
 #include "turgor/io/mesh/surface_formats.hpp"
 
 namespace turgor {
@@ -66,18 +67,6 @@ bool is_legacy_polydata(std::string_view head) {
   return cursor.word() == "POLYDATA";
 }
 
-/// True if the beginning of a file says RAS, as 3D Slicer writes it: in a comment or a title, or in XML as an
-/// array of bytes.
-bool says_ras(std::string_view bytes) {
-  const std::string_view head = bytes.substr(0, 4096);
-  const std::size_t array = head.find("Name=\"SPACE\"");
-  if (array == head.npos) return head.find("SPACE=RAS") != head.npos;
-  const std::size_t text = std::min(head.find('>', array), head.size() - 1) + 1;
-  FileCursor cursor("", head);
-  cursor.seek(text);
-  return cursor.word() == "82" && cursor.word() == "65" && cursor.word() == "83";
-}
-
 }  // namespace
 
 SurfaceFormat vtk_surface_format(std::string_view head) {
@@ -115,10 +104,7 @@ Result<ReadSurface> read_surface(const fs::path& path, double scale) {
     const Result<io::FoundSurface> found = io::parse_surface(path, *bytes);
     if (!found) return found.error();
     Result<ReadSurface> read = io::finish_surface(path, *found, scale);
-    if (read && io::says_ras(*bytes))
-      read->notes.push_back(
-          "the file declares RAS, but bodies are in LPS; its coordinates were used unchanged, with the signs "
-          "of x and y of RAS");
+    if (read) io::note_frame(*bytes, found->frame, read->notes);
     return read;
   });
 }

@@ -21,6 +21,7 @@ struct FoundSurface {
   std::vector<std::size_t> ends;      // end of each polygon in `corners`
   int first = 0;                      // the file's own number of its first vertex
   std::vector<std::string> notes;     // ignored data: sentences
+  std::string frame;                  // field kFrameField of a VTK file, such as "RAS"
 };
 
 /// Valid surface: welded, triangulated, checked.

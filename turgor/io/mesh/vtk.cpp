@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/mesh/mesh_frame.hpp"
 #include "turgor/io/mesh/vtk_surface.hpp"
 
 namespace turgor::io {
@@ -23,6 +24,7 @@ struct VtkReader {
   std::size_t tuples = 0;  // of the next fields
   bool of_cells = false;   // the next fields are cell data
   int rank = 0;            // of the field that gave the regions
+  std::string frame;       // the field kFrameField
 };
 
 NumberType read_number_type(FileCursor& cursor) {
@@ -147,26 +149,30 @@ void read_scalars(VtkReader& in) {
   read_field(in, name, in.tuples, std::size_t(components), type);
 }
 
-/// Skips strings: one line each; in binary files after their length, whose first two bits give its size in
-/// bytes.
-void skip_strings(VtkReader& in, std::size_t count) {
+/// Reads strings: one line each; in binary files after their length, whose first two bits give its size in
+/// bytes. Returns the first.
+std::string_view read_strings(VtkReader& in, std::size_t count) {
   FileCursor& cursor = in.cursor;
+  std::string_view first;
   cursor.line();
-  if (!cursor.can_hold(count, {0, 1}, "a count of texts")) return;
+  if (!cursor.can_hold(count, {0, 1}, "a count of texts")) return first;
   for (std::size_t s = 0; s < count && cursor.ok(); s++) {
+    std::string_view text;
     if (in.encoding == Encoding::kText) {
-      cursor.line();
-      continue;
+      text = cursor.line();
+    } else {
+      cursor.encoding = in.encoding;
+      const std::size_t start = cursor.offset();
+      const int bytes = 8 >> (cursor.unsigned_whole(1, "the length of a text") >> 6);
+      cursor.seek(start);
+      const std::uint64_t stored = cursor.unsigned_whole(bytes, "the length of a text");
+      const std::uint64_t length = stored & ((std::uint64_t(1) << (8 * bytes - 2)) - 1);
+      if (cursor.can_hold(length, {0, 1}, "a text")) text = cursor.skip(std::size_t(length));
     }
-    cursor.encoding = in.encoding;
-    const std::size_t start = cursor.offset();
-    const int bytes = 8 >> (cursor.unsigned_whole(1, "the length of a text") >> 6);
-    cursor.seek(start);
-    const std::uint64_t stored = cursor.unsigned_whole(bytes, "the length of a text");
-    const std::uint64_t length = stored & ((std::uint64_t(1) << (8 * bytes - 2)) - 1);
-    if (cursor.can_hold(length, {0, 1}, "a text")) cursor.skip(std::size_t(length));
+    if (s == 0) first = text;
   }
   cursor.encoding = Encoding::kText;
+  return first;
 }
 
 void read_fields(VtkReader& in) {
@@ -182,7 +188,9 @@ void read_fields(VtkReader& in) {
       continue;
     }
     in.cursor.word();
-    components > 1 ? in.cursor.fail("texts of one component") : skip_strings(in, tuples);
+    if (components > 1) return in.cursor.fail("texts of one component");
+    const std::string_view text = read_strings(in, tuples);
+    if (name == kFrameField) in.frame = text;
   }
 }
 
@@ -269,7 +277,7 @@ Result<FoundSolid> parse_vtk(const fs::path& path, std::string_view bytes) {
                    fmt::format("{}", in.cells.regions.size()));
   if (!in.cursor.ok()) return in.cursor.error();
   in.cells.node_count = std::int64_t(in.points.size());
-  FoundSolid found{.format = in.format, .nodes = std::move(in.points)};
+  FoundSolid found{.format = in.format, .nodes = std::move(in.points), .frame = in.frame};
   if (Status done = add_vtk_cells(found, in.cells); !done)
     return Error{fmt::format("{}: {}", path.string(), done.error().message)};
   return found;
@@ -281,7 +289,7 @@ Result<FoundSurface> parse_vtk_surface(const fs::path& path, std::string_view by
   if (!in.cursor.ok()) return in.cursor.error();
   for (VtkCells* cells : {&in.surface.polygons, &in.surface.strips})
     cells->node_count = std::int64_t(in.points.size());
-  FoundSurface found{.format = in.format, .vertices = std::move(in.points)};
+  FoundSurface found{.format = in.format, .vertices = std::move(in.points), .frame = in.frame};
   if (Status done = add_vtk_surface(found, in.surface); !done)
     return Error{fmt::format("{}: {}", path.string(), done.error().message)};
   note_left_out(found, in.surface.points, in.surface.lines);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/mesh/mesh_frame.hpp"
 #include "turgor/io/mesh/vtu_blocks.hpp"
 
 namespace turgor::io {
@@ -65,6 +66,27 @@ Result<std::string> array_bytes(const VtkXml& file, pugi::xml_node array, std::s
       fmt::format("array {}: {}", quoted(array.attribute("Name").as_string()), bytes.error().message));
 }
 
+/// Calls take(cursor, type) for each number of an array.
+Status read_array_numbers(const VtkXml& file, pugi::xml_node array, NumberType type, std::size_t count,
+                          const std::function<void(FileCursor&, NumberType)>& take) {
+  const bool is_text = array.attribute("format").as_string("ascii") == std::string_view("ascii");
+  const Result<std::string> bytes = is_text ? Result<std::string>(std::string{})
+                                            : array_bytes(file, array, count * std::size_t(type.bytes));
+  if (!bytes) return bytes.error();
+  const auto [begin, end] = text_of(file, array);
+  FileCursor cursor(file.path, is_text ? file.bytes.substr(0, end) : std::string_view(*bytes));
+  if (is_text)
+    cursor.seek(begin);
+  else
+    cursor.encoding =
+        block_format(file, false).is_big_endian ? Encoding::kBigEndian : Encoding::kLittleEndian;
+  cursor.can_hold(count, {1, std::size_t(type.bytes)}, "a count of numbers");
+  for (std::size_t i = 0; i < count && cursor.ok(); i++) take(cursor, type);
+  if (is_text && !cursor.at_end()) cursor.fail(fmt::format("{} numbers", count), "more");
+  if (!cursor.ok()) return cursor.error();
+  return Done{};
+}
+
 /// Cuts raw appended bytes, which are not XML, and parses the rest.
 Status parse_xml(VtkXml& file) {
   std::string text(file.bytes);
@@ -111,6 +133,19 @@ std::string vtk_xml_format(const VtkXml& file, std::string_view name) {
   return fmt::format("{}{}", name, block_format(file, false).is_compressed ? " (compressed)" : "");
 }
 
+std::string vtk_xml_frame(const VtkXml& file) {
+  const pugi::xml_node root = file.xml.child("VTKFile");
+  for (const pugi::xml_node array : root.child(root.attribute("type").as_string()).child("FieldData")) {
+    if (array.attribute("Name").as_string() != kFrameField) continue;
+    constexpr std::size_t kLength = 4;  // three letters and a zero
+    std::string name;
+    const auto take = [&](FileCursor& cursor, NumberType type) { name += char(read_whole(cursor, type)); };
+    const Status read = read_array_numbers(file, array, {NumberType::kUnsigned, 1}, kLength, take);
+    return read ? name.substr(0, name.find('\0')) : "of another form";
+  }
+  return {};
+}
+
 Error error_at(const VtkXml& file, pugi::xml_node node, std::string_view message) {
   return {fmt::format("{}:{}: {}", file.path.string(),
                       line_of(file.bytes, std::size_t(std::max<std::ptrdiff_t>(node.offset_debug(), 0))),
@@ -138,22 +173,7 @@ Status read_array(const VtkXml& file, pugi::xml_node array, std::size_t count,
   const std::optional<NumberType> type = type_named(type_name);
   if (!type)
     return error_at(file, array, fmt::format("expected a type such as Float64, found {}", quoted(type_name)));
-  const bool is_text = array.attribute("format").as_string("ascii") == std::string_view("ascii");
-  const Result<std::string> bytes = is_text ? Result<std::string>(std::string{})
-                                            : array_bytes(file, array, count * std::size_t(type->bytes));
-  if (!bytes) return bytes.error();
-  const auto [begin, end] = text_of(file, array);
-  FileCursor cursor(file.path, is_text ? file.bytes.substr(0, end) : std::string_view(*bytes));
-  if (is_text)
-    cursor.seek(begin);
-  else
-    cursor.encoding =
-        block_format(file, false).is_big_endian ? Encoding::kBigEndian : Encoding::kLittleEndian;
-  cursor.can_hold(count, {1, std::size_t(type->bytes)}, "a count of numbers");
-  for (std::size_t i = 0; i < count && cursor.ok(); i++) take(cursor, *type);
-  if (is_text && !cursor.at_end()) cursor.fail(fmt::format("{} numbers", count), "more");
-  if (!cursor.ok()) return cursor.error();
-  return Done{};
+  return read_array_numbers(file, array, *type, count, take);
 }
 
 Status read_wholes(const VtkXml& file, pugi::xml_node array, std::size_t count,

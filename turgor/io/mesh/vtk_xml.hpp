@@ -28,6 +28,8 @@ struct VtkXml {
 Status parse_vtk_xml(VtkXml& file, std::string_view type);
 /// "VTU", "VTU (compressed)".
 std::string vtk_xml_format(const VtkXml& file, std::string_view name);
+/// Frame that the field kFrameField of the data set declares, such as "RAS"; empty without one.
+std::string vtk_xml_frame(const VtkXml& file);
 Error error_at(const VtkXml& file, pugi::xml_node node, std::string_view message);
 
 /// Number of points or cells of a piece, limited to what the file can hold even when compressed.

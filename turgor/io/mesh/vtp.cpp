@@ -47,6 +47,7 @@ Result<FoundSurface> parse_vtp(const fs::path& path, std::string_view bytes) {
   VtkXml file{.path = path, .bytes = bytes};
   if (Status done = parse_vtk_xml(file, "PolyData"); !done) return done.error();
   FoundSurface found{.format = vtk_xml_format(file, "VTP")};
+  found.frame = vtk_xml_frame(file);
   std::size_t points = 0, lines = 0;
   for (const pugi::xml_node piece : file.xml.child("VTKFile").child("PolyData").children("Piece")) {
     VtkSurface surface;

@@ -47,6 +47,7 @@ Result<FoundSolid> parse_vtu(const fs::path& path, std::string_view bytes) {
   VtkXml file{.path = path, .bytes = bytes};
   if (Status done = parse_vtk_xml(file, "UnstructuredGrid"); !done) return done.error();
   FoundSolid found{.format = vtk_xml_format(file, "VTU")};
+  found.frame = vtk_xml_frame(file);
   std::int64_t first_cell = 0;
   int pieces = 0;
   for (const pugi::xml_node piece : file.xml.child("VTKFile").child("UnstructuredGrid").children("Piece")) {
