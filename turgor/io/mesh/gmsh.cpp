@@ -73,7 +73,7 @@ void read_section(FileCursor& cursor, std::string_view name, const Version& vers
 
 }  // namespace
 
-ElementType gmsh_type(std::int64_t number) {
+ElementType read_gmsh_type(FileCursor& cursor) {
   using enum Shape;
   // points, lines, surfaces; solids of order 1, 2 and higher, with and without interior nodes
   static constexpr std::array<ElementType, 32> kTypes{{
@@ -110,7 +110,16 @@ ElementType gmsh_type(std::int64_t number) {
       {kTet, 35},
       {kTet, 56},
   }};
-  return number > 0 && number < std::int64_t(kTypes.size()) ? kTypes[std::size_t(number)] : ElementType{};
+  constexpr std::int64_t kLast = std::int64_t(kTypes.size()) - 1, kLastOfGmsh = 140;
+  const std::int64_t number = cursor.whole(4, "the type of an element");
+  if (number > 0 && number <= kLast) return kTypes[std::size_t(number)];
+  const bool is_other = number > kLast && number <= kLastOfGmsh;
+  cursor.fail(
+      fmt::format("one of Gmsh's element types 1 to {}", kLast),
+      fmt::format(
+          "{}{}", number,
+          is_other ? ", of a higher order or another shape; gmsh -order 1 writes types that are read" : ""));
+  return {};
 }
 
 Result<FoundSolid> parse_gmsh(const fs::path& path, std::string_view bytes) {

@@ -8,8 +8,8 @@
 
 namespace turgor::io {
 
-/// Element type of a Gmsh type number; unknown shape if the number is invalid.
-ElementType gmsh_type(std::int64_t number);
+/// Reads the type of an element. Fails for types that are unknown, or that Turgor does not read.
+ElementType read_gmsh_type(FileCursor& cursor);
 
 // Versions 1.0 and 2.2: one line per node, one line per element.
 void read_gmsh_1_nodes(FileCursor& cursor, FoundSolid& found);

@@ -40,16 +40,9 @@ std::int64_t read_tags(FileCursor& cursor, std::size_t count) {
   return region_of(tags[0], tags[1]);
 }
 
-ElementType read_element_type(FileCursor& cursor) {
-  const std::int64_t number = cursor.whole(4, "the type of an element");
-  const ElementType type = gmsh_type(number);
-  if (type.shape == Shape::kUnknown) cursor.fail("one of Gmsh's element types", fmt::format("{}", number));
-  return type;
-}
-
 /// Binary block of elements with the same type and number of tags.
 std::size_t read_block(FileCursor& cursor, std::size_t most, FoundSolid& found) {
-  const ElementType type = read_element_type(cursor);
+  const ElementType type = read_gmsh_type(cursor);
   const std::size_t count = cursor.count(4, {1, 4 * (1 + std::size_t(type.nodes))}, "a number of elements");
   const std::size_t tags = cursor.count(4, {1, 4}, "a number of tags");
   if (count == 0 || count > most)
@@ -66,7 +59,7 @@ std::size_t read_block(FileCursor& cursor, std::size_t most, FoundSolid& found) 
 
 void read_line_element(FileCursor& cursor, std::vector<std::int64_t>& nodes, FoundSolid& found) {
   const std::int64_t id = cursor.whole(4, "the number of an element");
-  const ElementType type = read_element_type(cursor);
+  const ElementType type = read_gmsh_type(cursor);
   const std::int64_t region = read_tags(cursor, cursor.count(4, {1, 4}, "a number of tags"));
   read_corners(cursor, std::size_t(type.nodes), nodes);
   if (cursor.ok()) add_element(found, type, id, region, nodes);
@@ -84,7 +77,7 @@ void read_gmsh_1_elements(FileCursor& cursor, FoundSolid& found) {
   std::vector<std::int64_t> nodes;
   for (std::size_t e = 0; e < count && cursor.ok(); e++) {
     const std::int64_t id = cursor.whole(4, "the number of an element");
-    const ElementType type = read_element_type(cursor);
+    const ElementType type = read_gmsh_type(cursor);
     const std::int64_t physical = cursor.whole(4, "a region"), geometric = cursor.whole(4, "a region");
     if (cursor.whole(4, "a number of nodes") != type.nodes) cursor.fail(fmt::format("{} nodes", type.nodes));
     read_corners(cursor, std::size_t(type.nodes), nodes);

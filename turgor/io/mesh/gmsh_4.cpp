@@ -54,9 +54,7 @@ void read_node_block(FileCursor& cursor, FoundSolid& found) {
 std::size_t read_element_block(FileCursor& cursor, const GmshGroups& groups, FoundSolid& found) {
   const int dimension = read_dimension(cursor);
   const std::int64_t volume = cursor.whole(kInt, "a geometric entity");
-  const std::int64_t number = cursor.whole(kInt, "the type of an element");
-  const ElementType type = gmsh_type(number);
-  if (type.shape == Shape::kUnknown) cursor.fail("one of Gmsh's element types", fmt::format("{}", number));
+  const ElementType type = read_gmsh_type(cursor);
   const std::size_t words = std::size_t(type.nodes) + 1;
   const std::size_t count = cursor.count(kSize, {words, words * kSize}, "a number of elements");
   const auto group = groups.find(volume);
