@@ -75,7 +75,9 @@ TEST_F(ForceCurve, RejectsInvalidLines) {
             "curve.csv:3: expected two numbers, a depth [m] and a force [N], found \"0.001,abc\"");
   EXPECT_EQ(message("0,0,0\n"),
             "curve.csv:1: expected two numbers, a depth [m] and a force [N], found \"0,0,0\"");
-  EXPECT_EQ(message("0 nan\n0 inf\n"),
+  EXPECT_EQ(message("0 nan\n0 0\n"),
+            "curve.csv:1: expected two numbers, a depth [m] and a force [N], found \"0 nan\"");
+  EXPECT_EQ(message("0 0\n0 inf\n"),
             "curve.csv:2: expected two numbers, a depth [m] and a force [N], found \"0 inf\"");
   EXPECT_EQ(message("names\n"),
             "curve.csv: expected lines of two numbers, a depth [m] and a force [N], found none");

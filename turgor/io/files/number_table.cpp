@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <optional>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -41,22 +44,44 @@ std::vector<std::string> names_of(const std::string& line) {
   return names;
 }
 
+/// Whole word as a number, possibly not a finite one.
+std::optional<double> number_of(const std::string& word) {
+  char* end = nullptr;
+  const double number = std::strtod(word.c_str(), &end);
+  return end != word.c_str() && *end == '\0' ? std::optional(number) : std::nullopt;
+}
+
 /// Numbers of a line; empty if it holds anything else.
 std::vector<double> numbers_of(const std::string& line) {
   std::vector<double> numbers;
   for (const std::string& word : words_of(line)) {
-    char* end = nullptr;
-    numbers.push_back(std::strtod(word.c_str(), &end));
-    if (*end != '\0' || !std::isfinite(numbers.back())) return {};
+    const std::optional<double> number = number_of(word);
+    if (!number || !std::isfinite(*number)) return {};
+    numbers.push_back(*number);
   }
   return numbers;
+}
+
+/// True for a line of column names. A row with a typing error or NaN has other numbers.
+bool is_header(const std::string& line) {
+  const std::vector<std::string> names = names_of(line);
+  return std::none_of(names.begin(), names.end(),
+                      [](const std::string& name) { return number_of(name).has_value(); });
+}
+
+/// Text of a file without the byte-order mark of spreadsheets.
+Result<std::string> read_table_text(const std::filesystem::path& file) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  Result<std::string> text = read_file(file);
+  if (text && text->starts_with(kMark)) text->erase(0, kMark.size());
+  return text;
 }
 
 }  // namespace
 
 Result<std::vector<NumberRow>> read_number_table(const std::filesystem::path& file,
                                                  const std::string& expected) {
-  const Result<std::string> text = read_file(file);
+  const Result<std::string> text = read_table_text(file);
   if (!text) return text.error();
   std::vector<NumberRow> rows;
   std::istringstream lines(*text);
@@ -65,10 +90,9 @@ Result<std::vector<NumberRow>> read_number_table(const std::filesystem::path& fi
   for (std::string line; std::getline(lines, line);) {
     number++;
     if (is_blank(line)) continue;
+    const bool is_first = !std::exchange(begun, true);
+    if (is_first && is_header(line)) continue;
     std::vector<double> values = numbers_of(line);
-    const bool names = values.empty() && !begun;
-    begun = true;
-    if (names) continue;
     if (values.empty())
       return Error{
           fmt::format("{}:{}: expected {}, found \"{:.60}\"", file.string(), number, expected, line)};
@@ -80,11 +104,11 @@ Result<std::vector<NumberRow>> read_number_table(const std::filesystem::path& fi
 }
 
 Result<std::vector<std::string>> read_column_names(const std::filesystem::path& file) {
-  const Result<std::string> text = read_file(file);
+  const Result<std::string> text = read_table_text(file);
   if (!text) return text.error();
   std::istringstream lines(*text);
   for (std::string line; std::getline(lines, line);)
-    if (!is_blank(line)) return numbers_of(line).empty() ? names_of(line) : std::vector<std::string>();
+    if (!is_blank(line)) return is_header(line) ? names_of(line) : std::vector<std::string>();
   return std::vector<std::string>();
 }
 

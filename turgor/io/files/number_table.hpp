@@ -1,5 +1,6 @@
 // Rows of numbers from a text file, as written by spreadsheets and measuring programs. Separators are commas,
-// semicolons, tabs or blanks. A first line of names, empty lines and comments after '#' are allowed.
+// semicolons, tabs or blanks. Empty lines and comments after '#' are allowed, and a first line of names, none
+// of which is a number.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +20,7 @@ struct NumberRow {
 /// Error: file and line of a row that is not finite numbers; `expected` describes a row.
 Result<std::vector<NumberRow>> read_number_table(const std::filesystem::path& file,
                                                  const std::string& expected);
-/// Column names of the first line; empty if it is a row of numbers.
+/// Column names of the first line; empty if one of them is a number.
 Result<std::vector<std::string>> read_column_names(const std::filesystem::path& file);
 
 }  // namespace turgor
