@@ -115,6 +115,83 @@ TEST(OtherWriters, SegmentationNeedsNoSpacingBetweenSlices) {
   }
 }
 
+/// Replaces the value of the last element with this tag, a decimal string, by one of the same length.
+void set_last_decimal(std::string& bytes, const std::string& tag, std::string value) {
+  const std::size_t at = bytes.rfind(tag + "DS");
+  ASSERT_NE(at, std::string::npos);
+  const auto length = std::size_t(bytes[at + 6]);
+  ASSERT_LE(value.size(), length);
+  value.resize(length, ' ');
+  bytes.replace(at + 8, length, value);
+}
+
+const std::string kDistanceTag("\x18\0\x88\0", 4), kPositionTag("\x20\0\x32\0", 4);
+
+// A stated distance that contradicts the positions of the frames, or is rounded, does not change the grid.
+TEST(OtherWriters, SegmentationDistanceIsThatOfFrames) {
+  const Result<LabelFile> sound = read_labels_of(kCorpus / "segmentation.dcm", highdicom_grid());
+  ASSERT_TRUE(sound) << sound.error().message;
+  for (const char* distance : {"-1", "0", "2.55", "2.45", "5", "1", "9e9"}) {
+    std::string bytes = test::bytes_of(kCorpus / "segmentation.dcm");
+    set_last_decimal(bytes, kDistanceTag, distance);
+    const fs::path file = test::fresh_folder() / "a.dcm";
+    test::write(file, bytes);
+    const Result<LabelFile> read = read_labels_of(file, highdicom_grid());
+    ASSERT_TRUE(read) << distance << ": " << read.error().message;
+    EXPECT_EQ(read->labels.samples, sound->labels.samples) << distance;
+  }
+}
+
+// Frames of several segments in one plane may have positions that are rounded differently.
+TEST(OtherWriters, SegmentationPlanesMayBeRounded) {
+  const Result<LabelFile> sound = read_labels(kCorpus / "segmentation.dcm");
+  std::string bytes = test::bytes_of(kCorpus / "segmentation.dcm");
+  set_last_decimal(bytes, kPositionTag, "10.\\-20.\\35.003");
+  const fs::path file = test::fresh_folder() / "a.dcm";
+  for (const char* distance : {"2.5", "2.55", "-1"}) {
+    set_last_decimal(bytes, kDistanceTag, distance);
+    test::write(file, bytes);
+    const Result<LabelFile> read = read_labels(file);
+    ASSERT_TRUE(sound && read) << distance << ": " << read.error().message;
+    EXPECT_EQ(read->labels.samples, sound->labels.samples) << distance;
+  }
+}
+
+// The distance of frames is their mean, where planes between them have no frame, and where a stated half of
+// it says that planes lie between all of them.
+TEST(OtherWriters, SegmentationDistanceIsMeanOfGaps) {
+  std::string bytes = test::bytes_of(kCorpus / "segmentation.dcm");
+  set_last_decimal(bytes, kPositionTag, "10.0\\-20.0\\40.0");  // two planes above the next one
+  const fs::path file = test::fresh_folder() / "a.dcm";
+  for (const auto& [distance, spacing] :
+       {std::pair("2.5", 2.5), {"2.55", 2.5}, {"-1", 2.5}, {"1.25", 1.25}, {"1.26", 1.25}}) {
+    set_last_decimal(bytes, kDistanceTag, distance);
+    test::write(file, bytes);
+    const Result<LabelFile> read = read_labels(file);
+    ASSERT_TRUE(read) << distance << ": " << read.error().message;
+    EXPECT_NEAR(read->labels.grid.spacing.z * 1e3, spacing, 1e-9) << distance;
+    EXPECT_EQ(read->labels.grid.size.z, spacing == 2.5 ? 4 : 7) << distance;
+  }
+}
+
+// The refusal of a segmentation of another CT names their difference. Its size is not one: a segmentation has
+// the planes of its segments only.
+TEST(OtherWriters, SegmentationOfOtherCtNamesDifference) {
+  const fs::path file = kCorpus / "segmentation.dcm";
+  Grid larger = highdicom_grid();
+  larger.size = {16, 12, 9};
+  EXPECT_TRUE(read_labels_of(file, larger)) << "the same samples, and more";
+  Grid other = larger;
+  other.origin += Vec3d{0.2e-3, 0, 0};
+  EXPECT_REFUSED(read_labels_of(file, other), "segmentation.dcm: its grid differs from the CT's: origin ",
+                 "between samples", "expected a segmentation of this CT");
+  other = larger, other.origin = point_at(larger, {0, 0, 2});
+  EXPECT_REFUSED(read_labels_of(file, other), "CT's: origin ",
+                 "it reaches from sample (0, 0, -1) to (7, 5, 0)", "outside of 16 x 12 x 9 samples");
+  other = larger, other.spacing.x = 0.75e-3;
+  EXPECT_REFUSED(read_labels_of(file, other), "CT's: spacing 0.7 x 0.9 x 2.5 mm, not 0.75 x 0.9 x 2.5 mm");
+}
+
 /// A frame encoded as runs of literal bytes [PS3.5, annex G].
 std::string run_lengths(std::string_view samples) {
   std::string code(64, '\0');

@@ -11,4 +11,8 @@ namespace turgor {
 /// mm". The order and direction of axes are ignored.
 std::string grid_difference(const Grid& grid, const Grid& expected);
 
+/// The same for a grid that should cover a sub-box of `whole`, sample on sample: spacing, axes, an origin
+/// between samples, or samples outside.
+std::string box_difference(const Grid& box, const Grid& whole);
+
 }  // namespace turgor

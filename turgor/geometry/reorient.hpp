@@ -81,14 +81,20 @@ std::optional<Volume<T>> on_grid(const Volume<T>& volume, const Grid& grid) {
   return out;
 }
 
+/// First sample of `grid` under a box with the same axes: the nearest to its origin, perhaps outside.
+inline Int3 first_covered(const Grid& box, const Grid& grid) {
+  const Vec3d at = index_at(grid, box.origin);
+  const auto whole = [](double index) { return int(std::lround(std::clamp(index, -1e9, 1e9))); };
+  return {whole(at.x), whole(at.y), whole(at.z)};
+}
+
 /// The same for a volume that covers a sub-box of `grid`, sample on sample: 0 elsewhere.
 template <class T>
 std::optional<Volume<T>> part_on_grid(const Volume<T>& volume, const Grid& grid) {
   const std::optional<AxisOrder> order = axis_order(volume.grid.axes, grid.axes);
   if (!order) return std::nullopt;
   const Volume<T> reordered_volume = reordered(volume, *order);
-  const Vec3d at = index_at(grid, reordered_volume.grid.origin);
-  const Int3 first{int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z))};
+  const Int3 first = first_covered(reordered_volume.grid, grid);
   Grid covered = grid;
   covered.size = reordered_volume.grid.size;
   covered.origin = point_at(grid, Vec3d(first));

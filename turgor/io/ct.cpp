@@ -167,9 +167,12 @@ Result<LabelFile> read_labels_of(const fs::path& path, const Grid& ct) {
   if (!read) return read;
   std::optional<LabelVolume> on_ct =
       read->is_cropped ? part_on_grid(read->labels, ct) : on_grid(read->labels, ct);
-  if (!on_ct)
+  if (!on_ct) {
+    const Grid& grid = read->labels.grid;
     return Error{fmt::format("{}: its grid differs from the CT's: {}; expected a segmentation of this CT",
-                             path.string(), grid_difference(read->labels.grid, ct))};
+                             path.string(),
+                             read->is_cropped ? box_difference(grid, ct) : grid_difference(grid, ct))};
+  }
   read->labels = std::move(*on_ct);
   return read;
 }

@@ -90,15 +90,38 @@ std::optional<double> shared_spacing(const DicomElements& set) {
   return number.size() == 1 ? std::optional(number[0]) : std::nullopt;
 }
 
-/// Distance of the planes: as stated, else the smallest one of `sorted` positions, else the thickness [mm].
-double plane_distance(const DicomElements& set, const std::vector<double>& sorted, double thickness) {
-  if (const std::optional<double> said = shared_spacing(set)) return *said;
-  constexpr double kSamePlane = 1e-3;  // several segments have frames in one plane [mm]
-  double least = 0;
+/// Distances of neighboring planes, ascending [mm]. Several segments have frames in one plane, at positions
+/// that may be rounded differently.
+std::vector<double> gaps_of(const std::vector<double>& sorted, const DicomSlice& frame) {
+  const double same_plane = 0.02 * std::min(frame.row_spacing, frame.column_spacing);
+  std::vector<double> gaps;
   for (std::size_t n = 1; n < sorted.size(); n++)
-    if (const double gap = sorted[n] - sorted[n - 1]; gap > kSamePlane && (least == 0 || gap < least))
-      least = gap;
-  return least > 0 ? least : thickness;
+    if (const double gap = sorted[n] - sorted[n - 1]; gap > same_plane) gaps.push_back(gap);
+  std::sort(gaps.begin(), gaps.end());
+  return gaps;
+}
+
+/// Mean distance of planes with these gaps, ascending, where some planes have no frame [mm]. `rough` only
+/// counts the planes of the smallest gap; 0 if it contradicts that gap.
+double mean_distance(const std::vector<double>& gaps, double rough) {
+  const double least = gaps.front() / rough;
+  if (!(rough > 0) || least < 0.5 || !(std::abs(least - std::round(least)) < 0.05)) return 0;
+  double length = 0, planes = 0;
+  for (const double gap : gaps) {
+    planes += std::round(gap / (planes > 0 ? length / planes : rough));
+    length += gap;
+  }
+  return length / planes;
+}
+
+/// Distance of the planes through `sorted` positions [mm]. The stated distance is often rounded, and that of
+/// another series in some files: it decides only how many planes are between frames. 0 if nothing is known.
+double plane_distance(const DicomElements& set, const std::vector<double>& sorted, const DicomSlice& frame) {
+  const double stated = shared_spacing(set).value_or(0);
+  const std::vector<double> gaps = gaps_of(sorted, frame);
+  if (gaps.empty()) return stated > 0 ? stated : frame.thickness;
+  const double mean = mean_distance(gaps, stated);
+  return mean > 0 ? mean : mean_distance(gaps, gaps.front());
 }
 
 /// Grid through all frames, from their positions. Frames are on equidistant planes, some of which may be
@@ -116,8 +139,10 @@ Result<Grid> grid_of(const fs::path& file, const Segmentation& seg) {
     offsets.push_back(dot(*s.position, k));
   }
   std::sort(offsets.begin(), offsets.end());
-  const double spacing = plane_distance(seg.elements, offsets, first.thickness);
-  if (!(spacing > 0)) return refusal(file, "neither SpacingBetweenSlices nor SliceThickness is given");
+  const double spacing = plane_distance(seg.elements, offsets, first);
+  if (!(spacing > 0))
+    return refusal(
+        file, "a single plane of frames with neither a positive SpacingBetweenSlices nor a SliceThickness");
   const double count = (offsets.back() - offsets.front()) / spacing + 1;
   for (const double offset : offsets) {
     const double n = (offset - offsets.front()) / spacing;
