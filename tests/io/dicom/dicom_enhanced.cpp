@@ -281,6 +281,22 @@ TEST(DicomEnhanced, RejectsFrameCountMismatch) {
   EXPECT_REFUSED(read_ct(Exec(2), folder), "a.dcm", "7 frames", "without positions in its header");
 }
 
+// A number of frames that is no whole number from 1 is rejected, in images and in segmentations.
+TEST(DicomEnhanced, DamagedFrameCountIsNamed) {
+  const fs::path folder = fresh_folder(), image = folder / "ct" / "a.dcm", labels = folder / "labels.dcm";
+  fs::create_directory(image.parent_path());
+  for (const char* count : {"abc", "1e10", "0", "-3", "2.5", "nan"}) {
+    Enhanced().write(image);
+    test::set_value(image, 0x28, 0x08, count);
+    EXPECT_REFUSED(read_ct(Exec(2), image.parent_path()),
+                   "a.dcm: NumberOfFrames (0028,0008) is no whole number from 1");
+    test::write(labels,
+                test::bytes_of(fs::path(TURGOR_SOURCE_DIR) / "tests/fuzz/corpus/ct/segmentation.dcm"));
+    test::set_value(labels, 0x28, 0x08, count);
+    EXPECT_REFUSED(read_labels(labels), "labels.dcm: NumberOfFrames (0028,0008) is no whole number from 1");
+  }
+}
+
 // A file truncated at any byte is rejected and named.
 TEST(DicomEnhanced, TruncatedFileIsNamed) {
   const fs::path folder = fresh_folder();

@@ -50,7 +50,8 @@ void read_pixel_layout(const DicomElements& set, DicomSlice& slice) {
   slice.high_bit = integer(0x0102, slice.bits_stored - 1);
   slice.is_signed = integer(0x0103, 0) == 1;
   slice.photometric = text(set, 0x0028, 0x0004);
-  slice.frames = int(number(set, 0x0028, 0x0008, 1));
+  const double frames = number(set, 0x0028, 0x0008, 1);
+  slice.frames = frames >= 1 && frames <= 1e9 && frames == std::floor(frames) ? int(frames) : 0;
   slice.padding = stored(0x0120, slice.is_signed);
   slice.padding_limit = stored(0x0121, slice.is_signed);
   slice.slope = number(set, 0x0028, 0x1053, 1);

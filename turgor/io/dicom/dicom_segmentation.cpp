@@ -171,6 +171,7 @@ Result<Segmentation> read_frames(const fs::path& file) {
   if (const Status found = find_elements(window, seg.elements); !found)
     return refusal(file, found.error().message);
   if (const Status kind = check_kind(file, seg); !kind) return kind.error();
+  if (seg.image.frames < 1) return refusal(file, "NumberOfFrames (0028,0008) is no whole number from 1");
   seg.frames = frames_of(seg.image, seg.elements);
   if (seg.frames.empty()) return refusal(file, "its header has no positions of its frames");
   for (const DicomValues& frame : seg.elements.frames) {

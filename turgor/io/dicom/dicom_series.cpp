@@ -77,6 +77,8 @@ Status check_size(const DicomSlice& s) {
 Status check_slice(const DicomSlice& s) {
   const std::string file = s.file.string();
   if (s.modality != "CT") return Error{fmt::format("{}: Modality is \"{}\"; expected CT", file, s.modality)};
+  if (s.frames < 1)
+    return Error{fmt::format("{}: NumberOfFrames (0028,0008) is no whole number from 1", file)};
   if (s.frames != 1)
     return Error{
         fmt::format("{}: an image of {} frames without positions in its header; expected "
@@ -141,6 +143,18 @@ std::string tilt_text(const Slices& slices, Vec3d normal) {
   return fmt::format("gantry tilt of {:.1f} degrees", angle);
 }
 
+/// Refusal of a stack that is not straight. It names the slice that is shifted farthest in its plane.
+Error not_straight(const fs::path& folder, const Slices& slices, Vec3d normal, bool is_tilted) {
+  const auto shift = [&](const DicomSlice& s) { return norm(in_plane_offset(slices, s, normal)); };
+  const DicomSlice& farthest =
+      *std::max_element(slices.begin(), slices.end(),
+                        [&](const DicomSlice& a, const DicomSlice& b) { return shift(a) < shift(b); });
+  return {fmt::format(
+      "{}: {}slice {} is shifted in its plane by {:.2f} mm from {}; expected a straight stack{}",
+      folder.string(), is_tilted ? tilt_text(slices, normal) + ": " : "", name_of(farthest), shift(farthest),
+      name_of(slices.front()), is_tilted ? " (turgor import --straighten resamples them)" : "")};
+}
+
 /// Constant in-plane shift between consecutive slices due to a tilted gantry [mm]; 0 for a straight stack.
 Result<Vec3d> slice_shift(const fs::path& folder, const Slices& slices, Vec3d normal, bool may_lean) {
   const Vec3d whole = in_plane_offset(slices, slices.back(), normal);
@@ -152,11 +166,7 @@ Result<Vec3d> slice_shift(const fs::path& folder, const Slices& slices, Vec3d no
     const Vec3d shift = in_plane_offset(slices, s, normal);
     if (norm(shift) <= near && norm(whole) <= near) continue;
     leans = true;
-    if (!may_lean)
-      return Error{fmt::format(
-          "{}: {}: slice {} is shifted in its plane by {:.2f} mm from {}; expected "
-          "a straight stack (turgor import --straighten resamples them)",
-          folder.string(), tilt_text(slices, normal), name_of(s), norm(shift), name_of(slices.front()))};
+    if (!may_lean) return not_straight(folder, slices, normal, norm(whole) > near);
     if (norm(shift - whole * (double(i) / steps)) > near)
       return Error{
           fmt::format("{}: slice {} is {:.2f} mm off the line from the first slice to the last; "
