@@ -121,7 +121,11 @@ void bind_recording(nb::module_& module) {
       .def_prop_ro("report", &PyRecording::report)
       .def("snapshot", &snapshot_dict, "index"_a)
       .def("write_usda", [](PyRecording& r, const fs::path& file) { write_surfaces(r, file, &write_usda); })
-      .def("write_glb", [](PyRecording& r, const fs::path& file) { write_surfaces(r, file, &write_glb); });
+      .def("write_glb", [](PyRecording& r, const fs::path& file) {
+        write_surfaces(r, file, [](const fs::path& to, const SurfaceAnimation& animation) {
+          return write_glb(to, animation);
+        });
+      });
   module.def(
       "open_recording",
       [](const fs::path& file, const std::vector<std::string>& overrides, int threads) {

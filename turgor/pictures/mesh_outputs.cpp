@@ -1,6 +1,4 @@
 // Writes surfaces to files at every snapshot and at the end.
-#include <tuple>
-
 #include <fmt/format.h>
 
 #include "turgor/pictures/animated_surfaces.hpp"
@@ -98,10 +96,25 @@ Status write_tools(const WorldSnapshot& snapshot, Outputs& outputs) {
   return positions.empty() ? Done{} : write_forces(snapshot, positions, forces, outputs);
 }
 
+/// Adds the snapshot to the animation. If only glTF is requested and cannot hold it, the animation ends with
+/// a warning, and its memory is freed.
+void extend_animation(const WorldSnapshot& snapshot, Outputs& outputs, std::uint64_t most_glb_bytes) {
+  const OutputScene& output = outputs.scene->output;
+  if (outputs.animation_ended || (!output.usd && !output.gltf)) return;
+  add_surfaces(snapshot, outputs.animation);
+  if (output.usd) return;
+  const Status fits = check_glb(outputs.animation, most_glb_bytes);
+  if (fits) return;
+  outputs.facts.warnings.push_back(
+      fmt::format("no glTF: {} (at {:.3f} s)", fits.error().message, snapshot.time));
+  outputs.animation = {};
+  outputs.animation_ended = true;
+}
+
 }  // namespace
 
-Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs) {
-  if (outputs.scene->output.usd || outputs.scene->output.gltf) add_surfaces(snapshot, outputs.animation);
+Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs, std::uint64_t most_glb_bytes) {
+  extend_animation(snapshot, outputs, most_glb_bytes);
   if (!outputs.scene->output.meshes && !outputs.scene->output.vtkhdf) return Done{};
   const AddTime time(outputs.facts.file_seconds);
   for (const BodySnapshot& body : snapshot.bodies) {
@@ -123,19 +136,22 @@ Status finish_meshes(Outputs& outputs) {
   return write_pvd(outputs.folder / "meshes.pvd", outputs.series, outputs.scene->output.mesh_space);
 }
 
-Status finish_animation(Outputs& outputs) {
+void finish_animation(Outputs& outputs, std::uint64_t most_glb_bytes) {
   const OutputScene& output = outputs.scene->output;
-  if (!output.usd && !output.gltf) return Done{};
+  if (outputs.animation_ended || (!output.usd && !output.gltf)) return;
   const AddTime time(outputs.facts.file_seconds);
-  outputs.animation.frame_rate = outputs.scene->frame_rate;
-  remove_empty_surfaces(outputs.animation);
-  for (const auto& [wanted, name, write] : {std::tuple(output.usd, "surfaces.usda", &write_usda),
-                                            std::tuple(output.gltf, "surfaces.glb", &write_glb)}) {
-    if (!wanted) continue;
-    if (const Status status = write(outputs.folder / name, outputs.animation); !status) return status;
-    outputs.facts.files.push_back(name);
-  }
-  return Done{};
+  SurfaceAnimation& animation = outputs.animation;
+  animation.frame_rate = outputs.scene->frame_rate;
+  remove_empty_surfaces(animation);
+  const auto finish = [&](const Status& written, const char* file, const char* format) {
+    if (written)
+      outputs.facts.files.push_back(file);
+    else
+      outputs.facts.warnings.push_back(fmt::format("no {}: {}", format, written.error().message));
+  };
+  constexpr const char *kUsd = "surfaces.usda", *kGlb = "surfaces.glb";
+  if (output.usd) finish(write_usda(outputs.folder / kUsd, animation), kUsd, "USD");
+  if (output.gltf) finish(write_glb(outputs.folder / kGlb, animation, most_glb_bytes), kGlb, "glTF");
 }
 
 Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed, Outputs& outputs) {

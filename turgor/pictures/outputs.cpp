@@ -319,8 +319,9 @@ Status write_outputs(const World& world, const WorldSnapshot& snapshot, const st
                      Outputs& outputs) {
   Status status = write_ct_outputs(world, outputs);
   if (status) status = finish_tables(world, outputs);
-  if (status) status = finish_animation(outputs);
-  return status && outputs.scene->output.obj ? write_objs(snapshot, pressed, outputs) : status;
+  if (!status) return status;
+  finish_animation(outputs);
+  return outputs.scene->output.obj ? write_objs(snapshot, pressed, outputs) : status;
 }
 
 Status draw_outputs(const World& world, const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed,

@@ -49,6 +49,7 @@ struct Outputs {
   std::vector<PvdEntry> series;                // of meshes
   std::map<std::string, VtkHdfSeries> vtkhdf;  // by file
   SurfaceAnimation animation;                  // of the snapshots, for USD and glTF
+  bool animation_ended = false;                // only glTF is requested, and cannot hold more
   std::vector<Film> films;                // empty unless the scene requests a video and ffmpeg is installed
   double video_begin = 0, video_end = 0;  // times of the first and the latest frame [s]
   Motion motion;                          // for the page
@@ -120,12 +121,14 @@ ColorScale color_scale(const Scene& scene, SkinColor color);
 /// pressed_pictures.cpp: every body under the largest force of its tools.
 Status add_pressed_pictures(const std::vector<Pressed>& pressed, Outputs& outputs);
 /// mesh_outputs.cpp: surfaces for ParaView (one file per body and snapshot, or one per body, as the scene
-/// requests), and as OBJ at the end.
-Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs);
+/// requests), and as OBJ at the end. `most_glb_bytes`: largest .glb.
+Status write_meshes(const WorldSnapshot& snapshot, Outputs& outputs,
+                    std::uint64_t most_glb_bytes = kMostGlbBytes);
 Status finish_meshes(Outputs& outputs);
 Status write_objs(const WorldSnapshot& snapshot, const std::vector<Pressed>& pressed, Outputs& outputs);
-/// mesh_outputs.cpp: surfaces of all snapshots in one file, as USD and glTF.
-Status finish_animation(Outputs& outputs);
+/// mesh_outputs.cpp: surfaces of all snapshots in one file, as USD and glTF. If that fails, the outputs warn
+/// of it.
+void finish_animation(Outputs& outputs, std::uint64_t most_glb_bytes = kMostGlbBytes);
 /// ct_outputs.cpp: the deformed CT and its fields as files; then its sections and volume renderings.
 Status write_ct_outputs(const World& world, Outputs& outputs);
 Status draw_ct_outputs(const World& world, Outputs& outputs);

@@ -34,8 +34,8 @@ void transfer_series(File& file, std::map<std::string, VtkHdfProgress>& series) 
 
 template <class File>
 void transfer_outputs(File& file, Outputs& outputs) {
-  transfer_all(file, outputs.facts, outputs.first, outputs.series, outputs.animation, outputs.video_begin,
-               outputs.video_end, outputs.motion);
+  transfer_all(file, outputs.facts, outputs.first, outputs.series, outputs.animation, outputs.animation_ended,
+               outputs.video_begin, outputs.video_end, outputs.motion);
   for (Film& film : outputs.films) transfer_film(file, outputs.folder, film);
 }
 

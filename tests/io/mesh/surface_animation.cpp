@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/folders.hpp"
+#include "tests/refused.hpp"
 
 namespace turgor {
 namespace {
@@ -105,6 +106,50 @@ TEST(SurfaceAnimation, GlbHasItsLengthAndLimit) {
   ASSERT_FALSE(status);
   EXPECT_NE(status.error().message.find("expected at most 1000 snapshots"), std::string::npos);
   EXPECT_FALSE(fs::exists(folder / "b.glb"));
+}
+
+/// A surface with all kinds of arrays: normals, colors of points, triangles that change, a time without it.
+SurfaceAnimation varied_animation() {
+  SurfaceAnimation animation = animation_of(5);
+  TriMesh square = kTriangle;
+  square.vertices.push_back({1, 1, 0});
+  square.triangles.push_back({1, 3, 2});
+  square.normals.assign(4, {0, 0, 1});
+  const std::vector<Vec3> colors(4, Vec3{1, 0, 0});
+  AnimatedSurface wound{.name = "wound", .look = {}, .triangulations = {}, .colors = {}, .samples = {}};
+  add_sample({}, wound), add_sample(kTriangle, wound);
+  add_sample(square, wound, colors), add_sample(square, wound, colors), add_sample(square, wound);
+  animation.surfaces.push_back(wound);
+  return animation;
+}
+
+// The size of the binary chunk is known before it is made.
+TEST(SurfaceAnimation, GlbSizeIsKnownBefore) {
+  const fs::path folder = test::fresh_folder();
+  for (const SurfaceAnimation& animation : {animation_of(1), animation_of(7), varied_animation()}) {
+    ASSERT_TRUE(write_glb(folder / "a.glb", animation));
+    const std::string bytes = content_of(folder / "a.glb");
+    std::uint32_t json_size = 0, chunk_size = 0;
+    std::memcpy(&json_size, bytes.data() + 12, 4);
+    std::memcpy(&chunk_size, bytes.data() + 20 + json_size, 4);
+    EXPECT_EQ(bytes.substr(24 + json_size, 4), std::string("BIN\0", 4));
+    EXPECT_EQ(glb_bytes(animation), chunk_size);
+  }
+}
+
+// A .glb that is larger than its limit is refused without a file, by its samples or by its JSON.
+TEST(SurfaceAnimation, GlbOfTooManyBytesIsRefused) {
+  const fs::path file = test::fresh_folder() / "a.glb";
+  const SurfaceAnimation animation = varied_animation();
+  ASSERT_TRUE(write_glb(file, animation));
+  const std::uint64_t size = fs::file_size(file);
+  EXPECT_TRUE(write_glb(file, animation, size));
+  fs::remove(file);
+  for (const std::uint64_t most : {size - 1, glb_bytes(animation) - 1}) {
+    EXPECT_REFUSED(write_glb(file, animation, most), "a.glb: expected at most ", "GiB in a file of glTF",
+                   "USD has no such limit, or raise output.snapshots.every");
+    EXPECT_FALSE(fs::exists(file));
+  }
 }
 
 }  // namespace

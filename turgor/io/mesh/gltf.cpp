@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
-#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -84,17 +84,49 @@ struct Interval {
   std::size_t begin, end;
 };
 
+/// Calls take(interval) for each interval of a surface that has triangles.
+void for_each_interval(const AnimatedSurface& surface, const std::function<void(const Interval&)>& take) {
+  const std::vector<ShapeSample>& samples = surface.samples;
+  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+    const std::size_t triangulation = samples[begin].triangulation;
+    while (end < samples.size() && samples[end].triangulation == triangulation) end++;
+    if (!surface.triangulations[triangulation].empty()) take({surface, begin, end});
+  }
+}
+
+/// True if all samples of an interval have normals.
+bool all_have_normals(const Interval& interval) {
+  const auto begin = interval.surface.samples.begin();
+  return std::all_of(begin + std::ptrdiff_t(interval.begin), begin + std::ptrdiff_t(interval.end),
+                     [](const ShapeSample& sample) { return sample.normals.size() == sample.points.size(); });
+}
+
+/// Times at which an interval changes its visibility, as animate_visibility writes them.
+std::size_t visibility_keys(const Interval& interval) {
+  const bool begins = interval.begin > 0, ends = interval.end < interval.surface.samples.size();
+  return begins || ends ? 1 + std::size_t(begins) + std::size_t(ends) : 0;
+}
+
+/// Numbers of 4 bytes in the mesh and the animations of an interval.
+std::uint64_t number_count(const Interval& interval) {
+  const ShapeSample& base = interval.surface.samples[interval.begin];
+  const std::uint64_t samples = interval.end - interval.begin, points = base.points.size(),
+                      triangles = interval.surface.triangulations[base.triangulation].size(),
+                      vectors = samples * (all_have_normals(interval) ? 2 : 1) +
+                                (has_point_colors(interval.surface) ? 1 : 0),
+                      weights = samples > 1 ? samples * (samples - 1) : 0, times = samples > 1 ? samples : 0;
+  return 3 * points * vectors + 3 * triangles + times + weights + 4 * visibility_keys(interval);
+}
+
 /// Mesh of an interval: its first sample, and a morph target for each of the others.
 int add_mesh(const Interval& interval, const std::string& name, int material, Glb& glb) {
   const std::vector<ShapeSample>& samples = interval.surface.samples;
   const ShapeSample& base = samples[interval.begin];
-  bool has_normals = true;
-  for (std::size_t s = interval.begin; s < interval.end; s++)
-    has_normals = has_normals && samples[s].normals.size() == base.points.size();
+  const bool with_normals = all_have_normals(interval);
 
   // first sample
   GltfJson attributes{{"POSITION", add_vectors(base.points, true, kArrayBuffer, glb)}};
-  if (has_normals) attributes["NORMAL"] = add_vectors(base.normals, false, kArrayBuffer, glb);
+  if (with_normals) attributes["NORMAL"] = add_vectors(base.normals, false, kArrayBuffer, glb);
   if (has_point_colors(interval.surface))
     attributes["COLOR_0"] = add_vectors(point_colors(interval.surface, base), false, kArrayBuffer, glb);
   std::vector<std::uint32_t> corners;
@@ -108,7 +140,7 @@ int add_mesh(const Interval& interval, const std::string& name, int material, Gl
   for (std::size_t s = interval.begin + 1; s < interval.end; s++) {
     GltfJson target{
         {"POSITION", add_vectors(differences(samples[s].points, base.points), true, kArrayBuffer, glb)}};
-    if (has_normals)
+    if (with_normals)
       target["NORMAL"] = add_vectors(differences(samples[s].normals, base.normals), false, kArrayBuffer, glb);
     targets.push_back(std::move(target));
   }
@@ -143,7 +175,7 @@ void animate_shape(const Interval& interval, const std::vector<float>& times, in
 /// Shows an interval from its first sample to the first one of the next interval, by a scale of 1 or 0.
 void animate_visibility(const Interval& interval, const std::vector<float>& times, int node, Glb& glb) {
   const bool begins = interval.begin > 0, ends = interval.end < times.size();
-  if (!begins && !ends) return;
+  if (visibility_keys(interval) == 0) return;
   std::vector<float> keys;
   std::vector<Vec3> scales;
   const auto add_key = [&](std::size_t sample, float scale) {
@@ -173,11 +205,7 @@ void add_surface(const AnimatedSurface& surface, const std::vector<float>& times
   if (look.opacity < 1) material["alphaMode"] = "BLEND";
   const int material_index = add_to(glb.materials, std::move(material));
   int intervals = 0;
-  for (std::size_t begin = 0, end = 0; begin < times.size(); begin = end) {
-    const std::size_t triangulation = surface.samples[begin].triangulation;
-    while (end < times.size() && surface.samples[end].triangulation == triangulation) end++;
-    if (surface.triangulations[triangulation].empty()) continue;
-    const Interval interval{surface, begin, end};
+  for_each_interval(surface, [&](const Interval& interval) {
     intervals++;
     const std::string name = intervals == 1 ? surface.name : fmt::format("{} {}", surface.name, intervals);
     const int mesh = add_mesh(interval, name, material_index, glb);
@@ -185,23 +213,32 @@ void add_surface(const AnimatedSurface& surface, const std::vector<float>& times
     children.push_back(node);
     animate_shape(interval, times, node, glb);
     animate_visibility(interval, times, node, glb);
-  }
+  });
 }
 
 std::string bytes_of_words(std::initializer_list<std::uint32_t> words) {
   return {reinterpret_cast<const char*>(words.begin()), words.size() * sizeof(std::uint32_t)};
 }
 
-Status write_chunks(const std::filesystem::path& path, const GltfJson& json, const std::string& bytes) {
+Error too_large_glb(std::uint64_t size, std::uint64_t most_bytes) {
+  const auto gib = [](std::uint64_t bytes) { return double(bytes) / double(1 << 30); };
+  return {
+      fmt::format("expected at most {:.3g} GiB in a file of glTF, found {:.3g} GiB; USD has no such limit, "
+                  "or raise output.snapshots.every",
+                  gib(most_bytes), gib(size))};
+}
+
+Error glb_error(const std::filesystem::path& path, const Error& error) {
+  return {fmt::format("{}: {}", path.string(), error.message)};
+}
+
+Status write_chunks(const std::filesystem::path& path, const GltfJson& json, const std::string& bytes,
+                    std::uint64_t most_bytes) {
   std::string text = json.dump(-1, ' ', false, GltfJson::error_handler_t::replace);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   constexpr std::size_t kHeaders = 28;
   const std::size_t size = kHeaders + text.size() + bytes.size();
-  if (size > std::numeric_limits<std::uint32_t>::max())
-    return Error{
-        fmt::format("{}: expected at most 4 GiB in a file of glTF, found {:.1f} GiB; USD has no such "
-                    "limit, or raise output.snapshots.every",
-                    path.string(), double(size) / (1 << 30))};
+  if (size > std::min(most_bytes, kMostGlbBytes)) return glb_error(path, too_large_glb(size, most_bytes));
   Result<FileWriter> file = FileWriter::create(path);
   if (!file) return file.error();
   file->write(bytes_of_words({kGlbMagic, kGlbVersion, std::uint32_t(size)}));
@@ -214,12 +251,26 @@ Status write_chunks(const std::filesystem::path& path, const GltfJson& json, con
 
 }  // namespace
 
-Status write_glb(const std::filesystem::path& path, const SurfaceAnimation& animation) {
+std::uint64_t glb_bytes(const SurfaceAnimation& animation) {
+  std::uint64_t numbers = 0;
+  for (const AnimatedSurface& surface : animation.surfaces)
+    for_each_interval(surface, [&](const Interval& interval) { numbers += number_count(interval); });
+  return 4 * numbers;
+}
+
+Status check_glb(const SurfaceAnimation& animation, std::uint64_t most_bytes) {
   if (animation.times.size() > kMostGltfSamples)
     return Error{
-        fmt::format("{}: expected at most {} snapshots for glTF, found {}; USD has no such limit, or "
-                    "raise output.snapshots.every",
-                    path.string(), kMostGltfSamples, animation.times.size())};
+        fmt::format("expected at most {} snapshots for glTF, found {}; USD has no such limit, or raise "
+                    "output.snapshots.every",
+                    kMostGltfSamples, animation.times.size())};
+  const std::uint64_t bytes = glb_bytes(animation);
+  return bytes > most_bytes ? Status(too_large_glb(bytes, most_bytes)) : Status(Done{});
+}
+
+Status write_glb(const std::filesystem::path& path, const SurfaceAnimation& animation,
+                 std::uint64_t most_bytes) {
+  if (const Status fits = check_glb(animation, most_bytes); !fits) return glb_error(path, fits.error());
   // root node: half a right angle's sine and cosine, a quarter turn about x from z up to y up
   constexpr double kHalf = 0.70710678118654752;
   Glb glb;
@@ -245,7 +296,8 @@ Status write_glb(const std::filesystem::path& path, const SurfaceAnimation& anim
   if (!glb.channels.empty())
     json["animations"] = GltfJson::array(
         {{{"name", "run"}, {"channels", std::move(glb.channels)}, {"samplers", std::move(glb.samplers)}}});
-  return write_chunks(path, json, glb.bytes);
+  TURGOR_CHECK(glb.bytes.size() == glb_bytes(animation), "the size of the binary chunk is known");
+  return write_chunks(path, json, glb.bytes, most_bytes);
 }
 
 }  // namespace turgor

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -61,9 +62,18 @@ Status write_usda(const std::filesystem::path& path, const SurfaceAnimation& ani
 /// Largest number of samples in a glTF file, whose size grows with its square.
 constexpr std::size_t kMostGltfSamples = 1000;
 
+/// Largest size of a .glb, whose lengths have 32 bits [bytes].
+constexpr std::uint64_t kMostGlbBytes = 0xffffffff;
+
+/// Size of the binary chunk of a .glb with these samples [bytes].
+std::uint64_t glb_bytes(const SurfaceAnimation& animation);
+/// Error: more than kMostGltfSamples times, or a binary chunk of more than `most_bytes`. It names no file.
+Status check_glb(const SurfaceAnimation& animation, std::uint64_t most_bytes = kMostGlbBytes);
+
 /// Writes glTF 2.0: samples are morph targets, whose weights are animated. Where triangles change, another
 /// mesh takes over: the scale of its node is 0 at all other times. The root node turns z up to glTF's y up.
-/// Error: more than kMostGltfSamples times, or more than 4 GiB. [Khronos, glTF 2.0 specification]
-Status write_glb(const std::filesystem::path& path, const SurfaceAnimation& animation);
+/// Error: as check_glb, or a file of more than `most_bytes`. [Khronos, glTF 2.0 specification]
+Status write_glb(const std::filesystem::path& path, const SurfaceAnimation& animation,
+                 std::uint64_t most_bytes = kMostGlbBytes);
 
 }  // namespace turgor

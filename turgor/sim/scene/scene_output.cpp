@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "turgor/io/mesh/surface_animation.hpp"
 #include "turgor/sim/scene/scene_look.hpp"
 
 namespace turgor {
@@ -17,6 +18,13 @@ bool is_volume_file(const std::string& name) {
   for (const std::string_view ending : {".nii", ".nii.gz", ".nrrd", ".mha"})
     if (name.ends_with(ending) && name.size() > ending.size()) return true;
   return false;
+}
+
+/// Number of snapshots of a run. Their interval is a whole number of frames.
+int snapshot_count(const Scene& scene) {
+  int count = 0;
+  for (int frame = 0; frame <= frame_count(scene); frame++) count += is_snapshot(scene, frame);
+  return count;
 }
 
 /// True for names without an ending that differ from the folders of every run.
@@ -214,10 +222,10 @@ void read_output(SceneTable output, Scene& scene) {
       "surfaces of bodies, wounds and tools at every snapshot as USD, in one file `surfaces.usda`: see "
       "[out-to-other-programs.md](out-to-other-programs.md)");
   output.read("gltf", out.gltf, "the same as glTF 2.0, in one file `surfaces.glb`; at most 1000 snapshots");
-  if (const double snapshots_taken = scene.duration / out.every; out.gltf && snapshots_taken > 999)
-    output.fail("gltf", fmt::format("expected at most 1000 snapshots for glTF, found {:.0f}; raise "
+  if (const int count = out.gltf ? snapshot_count(scene) : 0; std::size_t(count) > kMostGltfSamples)
+    output.fail("gltf", fmt::format("expected at most {} snapshots for glTF, found {}; raise "
                                     "output.snapshots.every, or use usd",
-                                    snapshots_taken + 1));
+                                    kMostGltfSamples, count));
   output.read_choice<bool>(
       "mesh_unit", out.mesh_space.is_mm, {{"m", false}, {"mm", true}},
       "unit of `meshes`, `vtkhdf` and `obj`: `\"m\"` or `\"mm\"`, which 3D Slicer expects. "
