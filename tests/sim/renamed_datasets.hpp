@@ -41,7 +41,7 @@ bool copy_with_number(const Hdf5File& from, Hdf5File& to, const std::string& pat
   return bool(to.write<T>(path, *values));
 }
 
-/// Writes a copy of an HDF5 file in which one dataset of doubles or integers has a changed value.
+/// Writes a copy of an HDF5 file in which one dataset of numbers has a changed value.
 inline void write_with_number(const std::filesystem::path& from, const std::filesystem::path& to,
                               const std::string& changed, std::size_t index, double value) {
   const Result<Hdf5File> source = Hdf5File::open(from);
@@ -55,6 +55,7 @@ inline void write_with_number(const std::filesystem::path& from, const std::file
     const Result<std::size_t> count = source->count(path, std::size_t(1) << 24);
     ASSERT_TRUE(count && index < *count) << path;
     EXPECT_TRUE(copy_with_number<double>(*source, *target, path, *count, index, value) ||
+                copy_with_number<float>(*source, *target, path, *count, index, value) ||
                 copy_with_number<std::int32_t>(*source, *target, path, *count, index, value));
   }
   EXPECT_TRUE(target->close());

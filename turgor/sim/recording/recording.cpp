@@ -88,6 +88,8 @@ Result<RecordingWriter> RecordingWriter::create(const fs::path& path, const Scen
   if (!scene_written) return scene_written.error();
   for (const LatticeBody& body : world.lattice_bodies)
     if (const Status status = write_body(*file, body); !status) return status.error();
+  for (const ClothBody& body : world.cloth_bodies)
+    if (const Status status = write_body(*file, body); !status) return status.error();
   return RecordingWriter(std::move(*file));
 }
 
@@ -206,6 +208,8 @@ Status Recording::check_world(const World& world) const {
                       "found {}",
                       path_.string(), body.name, triangles[0], body.model.anatomy.skin.triangles.size())};
   }
+  for (const ClothBody& body : world.cloth_bodies)
+    if (const Status mesh = check_body(file_, body); !mesh) return mesh;
   return Done{};
 }
 
@@ -218,6 +222,8 @@ Status Recording::restore_cut(const std::string& group, Cut& cut) const {
   const auto into = reading.array<double>("into", values);
   const auto progress = reading.array<double>("progress", 3);
   if (values % 3 != 0) reading.fail("path", "expected three numbers a point");
+  if (!std::all_of(progress.begin(), progress.end(), [](double x) { return std::isfinite(x); }))
+    reading.fail("progress", "expected finite numbers");
   if (!reading.status()) return reading.status();
 
   // progress

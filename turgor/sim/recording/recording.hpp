@@ -47,7 +47,7 @@ class Recording {
 
   /// Scene of the run; further overrides may change output keys and the location of the CT.
   Result<Scene> scene(const std::vector<std::string>& more_overrides) const;
-  /// Error: the world has other CTs or parameters than the recording.
+  /// Error: the world has other CTs, cloth meshes or parameters than the recording.
   Status check_world(const World& world) const;
   int snapshot_count() const { return snapshots_; }
   /// Restores the state of a snapshot, and the recorded surfaces.

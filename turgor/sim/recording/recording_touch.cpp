@@ -15,8 +15,9 @@ namespace turgor {
 namespace {
 
 constexpr std::size_t kMostVertices = std::size_t(1) << 24, kMostRows = kMostTicks + 1;
-constexpr std::size_t kPose = 16;    // numbers per tool: position, axes, force, opening
-constexpr std::size_t kSample = 27;  // numbers per tick, in the order of append
+constexpr std::size_t kPose = 16;      // numbers per tool: position, axes, force, opening
+constexpr std::size_t kSample = 27;    // numbers per tick, in the order of append
+constexpr std::size_t kContacts = 10;  // the number of contacts among them
 constexpr const char *kPoseUnits = "m, m, m, 1, 1, 1, 1, 1, 1, 1, 1, 1, N, N, N, m",
                      *kSampleUnits =
                          "s, m, m, m, N, N, N, N m, N m, N m, 1, m, m, s, 1, 1, 1, 1, 1, 1, 1, 1, "
@@ -77,7 +78,7 @@ ForceSample sample_of(const std::vector<double>& values, std::size_t row) {
   s.position = vector_at(values, i + 1);
   s.force = vector_at(values, i + 4);
   s.torque = vector_at(values, i + 7);
-  s.contacts = int(std::clamp(values[i + 10], 0.0, 1e6));
+  s.contacts = int(std::clamp(values[i + kContacts], 0.0, 1e6));
   s.depth = values[i + 11], s.path = values[i + 12], s.tick_seconds = float(values[i + 13]);
   s.new_patch = values[i + 14] != 0, s.beyond_patch = values[i + 15] != 0;
   for (std::size_t a = 0; a < 3; a++) s.axes.column[a] = vector_at(values, i + 16 + 3 * a);
@@ -315,6 +316,10 @@ Status read_touch(const Hdf5File& file, World& world, std::vector<Pressed>& pres
     Reading reading(file, fmt::format("/tools/{}/", tool.name));
     const std::size_t count = reading.count("ticks", kSample * kMostRows);
     const auto rows = reading.array<double>("ticks", count);
+    for (std::size_t r = 0; r < rows.size() / kSample; r++)
+      if (!std::isfinite(rows[kSample * r + kContacts]))
+        reading.fail("ticks", fmt::format("row {}: expected a number of contacts, found {}", r + 1,
+                                          rows[kSample * r + kContacts]));
     if (!reading.status()) return reading.status();
     if (count >= kSample) tool.samples.start(command_of(sample_of(rows, 0)));
     for (std::size_t r = 1; r < count / kSample; r++) tool.samples.append(sample_of(rows, r));
