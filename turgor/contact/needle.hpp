@@ -29,7 +29,8 @@ struct Needle {
 
 constexpr double kSteel = 2e11;  // Young's modulus [Pa]
 
-constexpr int kMostNeedlePoints = 240;  // of one track
+constexpr int kMostNeedlePoints = 240;    // of one track
+constexpr double kLeastToughness = 1e-3;  // less counts as this: a micronewton at 1 mm [J/m²]
 
 /// Length of the cone [m].
 inline double cone_length(const Needle& needle) {
@@ -60,7 +61,10 @@ inline double bevel_length(const Needle& needle) {
 inline double bevel_offset(const Needle& needle) {
   return needle.bevel < 90 ? needle.diameter / 2 * std::cos(needle.bevel * std::numbers::pi / 180) : 0;
 }
-/// Force on the tip that tears tissue of this toughness [N].
-inline double tearing_force(const Needle& needle, double toughness) { return toughness * needle.diameter; }
+/// Force on the tip that tears tissue of this toughness [N]. It is positive, because a tip without force
+/// has left the tissue.
+inline double tearing_force(const Needle& needle, double toughness) {
+  return std::max(toughness, kLeastToughness) * needle.diameter;
+}
 
 }  // namespace turgor::contact

@@ -22,12 +22,13 @@ void leave(NeedleState& state) {
   state.phase = NeedlePhase::kOutside, state.inserted = 0, state.tip_force = 0, state.beam = {};
 }
 
-/// Force F of the tip; rounding at its lower bound is removed.
+/// Force F of the tip; rounding at its lower bound is removed, also that of a force across the shaft.
 double tip_force(const NeedleTick& tick, double tearing) {
-  const Vec3d along = tick.along(0);
+  constexpr double kRounding = 1e-12;
+  const Vec3d along = tick.along(0), whole = tick.track().force[0];
   const double share = tick.bends() ? dot(along, along) : 1;
-  const double force = tick.stiffness * dot(tick.track().force[0], along) / share;
-  return force > 1e-12 * tearing ? force : 0;
+  const double force = tick.stiffness * dot(whole, along) / share;
+  return force > kRounding * std::max(tearing, tick.stiffness * norm(whole)) ? force : 0;
 }
 
 /// Displacement of a point by the body's motion without this needle [m].
