@@ -205,73 +205,6 @@ void take_free_motion(SfemTouch& touch, std::span<const Vec3d> to, long ticks) {
   start_motion(touch.free, to, ticks);
 }
 
-void take_needle_motion(SfemTouch& touch, std::span<const std::vector<Vec3d>> to, long ticks) {
-  TURGOR_ASSERT(to.empty() || to.size() == touch.needles.needles.size(), "one motion a tool");
-  for (std::size_t t = 0; t < to.size(); t++) start_motion(touch.needles.needles[t].motion, to[t], ticks);
-}
-
-void add_needles(SfemTouch& touch, std::shared_ptr<const sfem::InnerGreen> inner) {
-  touch.needles.inner = std::move(inner);
-  const std::size_t vertices = touch.needles.inner->vertices.size(), most = touch.free.to.size();
-  for (const Tool& tool : touch.tools) {
-    NeedleState needle;
-    if (tool.needle) {
-      needle = make_needle_state(*touch.needles.inner, *tool.needle);
-      for (auto* list : {&needle.free, &needle.motion.from, &needle.motion.to, &needle.force_on_vertex})
-        list->reserve(std::max(most, vertices)), list->resize(vertices);
-      needle.row.reserve(9 * std::max(most, vertices));
-    }
-    touch.needles.needles.push_back(std::move(needle));
-  }
-}
-
-namespace {
-
-/// Numbers the elements of a track in other Green's functions. False: they do not contain all of them.
-bool renumber(const sfem::InnerGreen& from, const sfem::InnerGreen& to, NeedleTrack& track) {
-  for (NeedlePoint& point : track.points) {
-    const int element = from.elements[std::size_t(point.at.element)];
-    const auto found = std::lower_bound(to.elements.begin(), to.elements.end(), element);
-    if (found == to.elements.end() || *found != element) return false;
-    point.at.element = int(found - to.elements.begin());
-  }
-  return true;
-}
-
-/// Elements of the mesh that tracks pass.
-void list_track_elements(const NeedleTouch& touch, std::vector<int>& elements) {
-  elements.clear();
-  for (const NeedleState& needle : touch.needles)
-    for (const NeedleTrack& track : needle.tracks)
-      for (const NeedlePoint& point : track.points) {
-        const int element = touch.inner->elements[std::size_t(point.at.element)];
-        if ((elements.empty() || elements.back() != element) && elements.size() < elements.capacity())
-          elements.push_back(element);
-      }
-}
-
-}  // namespace
-
-void take_inner(SfemTouch& touch, const std::shared_ptr<const sfem::InnerGreen>& inner) {
-  TURGOR_ASSERT(touch.needles.inner && inner, "needles have Green's functions");
-  const std::size_t vertices = inner->vertices.size();
-  for (NeedleState& needle : touch.needles.needles) {
-    if (needle.tracks.empty()) continue;
-    for (std::size_t n = 0; n < needle.tracks.size(); n++) {
-      NeedleTrack& track = needle.tracks[n];
-      if (renumber(*touch.needles.inner, *inner, track)) continue;
-      track.points.clear(), track.length = 0;
-      if (int(n) == needle.track) needle.phase = NeedlePhase::kOutside, needle.inserted = 0;
-    }
-    // the motion without the needle comes with the next message
-    for (auto* list : {&needle.free, &needle.motion.from, &needle.motion.to, &needle.force_on_vertex})
-      list->assign(vertices, {});
-    needle.row.assign(9 * vertices, 0);
-    needle.motion.moves = false;
-  }
-  touch.needles.inner = inner;
-}
-
 Handover take_patch(SfemTouch& touch, const FinishedPatch& offer) {
   TURGOR_ASSERT(offer.patch != nullptr, "an offered patch was built");
   touch.handover = take_patch(touch.state, *touch.patch, *offer.patch, touch.tools, offer.history);
@@ -374,7 +307,8 @@ void tick_with_exchange(SfemTouch& touch, SfemExchange& exchange, std::span<cons
     const FreeMotion& motion = exchange.motion.read();
     const long ticks = ticks_of_frame(motion.ticks, dt);
     take_free_motion(touch, motion.to, ticks);
-    if (motion.inner && motion.inner != touch.needles.inner) take_inner(touch, motion.inner);
+    if (motion.inner && motion.inner != touch.needles.inner)
+      take_inner(touch, motion.inner, motion.of_needles);
     take_needle_motion(touch, motion.of_needles, ticks);
     touch.motion_number = motion.number, touch.stiffness_scale = motion.stiffness_scale;
     touch.texture.waves = motion.waves;

@@ -81,8 +81,10 @@ void take_needle_motion(SfemTouch& touch, std::span<const std::vector<Vec3d>> to
 /// vertices.
 void add_needles(SfemTouch& touch, std::shared_ptr<const sfem::InnerGreen> inner);
 /// Replaces the Green's functions around the needles between two ticks. They contain the elements of all
-/// tracks; a track that is not contained is forgotten. Does not allocate.
-void take_inner(SfemTouch& touch, const std::shared_ptr<const sfem::InnerGreen>& inner);
+/// tracks; a track that is not contained is forgotten. Motions go on, and those of new vertices begin at
+/// `to`, the motions for take_needle_motion of these Green's functions. Does not allocate.
+void take_inner(SfemTouch& touch, const std::shared_ptr<const sfem::InnerGreen>& inner,
+                std::span<const std::vector<Vec3d>> to);
 
 /// A finished patch. Its builder keeps a reference until it holds the last one, because the haptic thread
 /// must not free memory.

@@ -157,6 +157,38 @@ TEST(NeedleSfem, ThreadsKeepBitsBesideFinger) {
   EXPECT_NE(work["others_mJ"].get<double>(), 0);
 }
 
+// New Green's functions keep the motion of the tissue by a finger at rest: the force on a needle at rest
+// stays.
+TEST(NeedleSfem, NewElementsKeepForceBesideFinger) {
+  const std::string deep =
+      "press = { at = [0.031, 0.028, 0.04], depth = 0.02, start = 0, duration = 0.3, hold = 2 }";
+  const std::string finger =
+      "[tool.finger]\nbody = \"pad\"\nshape = { sphere = 0.006 }\npress = { at = [0.046, 0.028, 0.04], "
+      "depth = 0.005, start = 0.4, duration = 0.2, hold = 2 }\n";
+  const Exec exec(1);
+  Result<World> world = needle_world(exec, needle_scene_text(kNeedleKeys, deep, "", finger));
+  ASSERT_TRUE(world) << world.error().message;
+  for (int frame = 0; frame < 90; frame++) ASSERT_TRUE(step(exec, *world));
+  SfemBody& body = world->sfem_bodies[0];
+  ASSERT_GT(norm(world->tools[1].samples[world->tools[1].samples.size() - 1].force), 0.05) << "N";
+  const std::size_t last = world->tools[0].samples.size() - 1;
+  const Vec3d before = world->tools[0].samples[last].force;
+  ASSERT_LT(norm(before - world->tools[0].samples[last - 20].force), 1e-6 * norm(before)) << "at rest";
+  // all elements of the body
+  std::vector<int> all;
+  for (std::size_t e = 0; e < element_count(body.model.body.mesh); e++) all.push_back(int(e));
+  ASSERT_LT(body.needles.inner->elements.size(), all.size());
+  sfem::InnerGreen inner = sfem::make_inner_green(exec, body.model, all);
+  for (const int material : inner.material) inner.toughness.push_back(body.toughness[std::size_t(material)]);
+  body.needles.inner = std::make_shared<const sfem::InnerGreen>(std::move(inner));
+  body.needles.in_use.push_back(body.needles.inner);
+  displace_by_needles(body);
+  ASSERT_TRUE(step(exec, *world));
+  ASSERT_EQ(body.touch.needles.inner->elements.size(), all.size());
+  for (std::size_t i = last + 1; i < world->tools[0].samples.size(); i++)
+    EXPECT_LT(norm(world->tools[0].samples[i].force - before), 1e-6 * norm(before)) << i - last;
+}
+
 // Two needles 10 mm apart in one body: each punctures it, the one at rest feels the one that enters, and the
 // bits do not depend on the number of threads.
 TEST(NeedleSfem, TwoNeedlesActOnEachOther) {

@@ -76,7 +76,8 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
       std::min(kPatchTicks, last - first);  // a patch is requested and used within one frame
   std::optional<NextPatch> next;
   contact::take_free_motion(body.touch, body.free.now, last - first + 1);
-  if (body.needles.inner != body.touch.needles.inner) contact::take_inner(body.touch, body.needles.inner);
+  if (body.needles.inner != body.touch.needles.inner)
+    contact::take_inner(body.touch, body.needles.inner, body.needles.motion);
   contact::take_needle_motion(body.touch, body.needles.motion, last - first + 1);
   body.touch.stiffness_scale = body.stiffness_scale;
   body.touch.texture = body.texture;
