@@ -118,8 +118,8 @@ void transfer_inner(File& file, std::shared_ptr<const sfem::InnerGreen>& inner) 
 /// Without the Green's functions.
 template <class File>
 void transfer(File& file, NeedleDisplacement& needles) {
-  auto& [inner, in_use, displacement, motion, target_motion] = needles;
-  transfer_all(file, displacement, motion, target_motion);
+  auto& [inner, in_use, displacement, by_tools, motion, target_motion] = needles;
+  transfer_all(file, displacement, by_tools, motion, target_motion);
 }
 template <class File>
 void transfer_body(File& file, SfemBody& body) {

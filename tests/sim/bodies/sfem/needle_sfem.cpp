@@ -189,6 +189,33 @@ TEST(NeedleSfem, NewElementsKeepForceBesideFinger) {
     EXPECT_LT(norm(world->tools[0].samples[i].force - before), 1e-6 * norm(before)) << i - last;
 }
 
+// A needle enters a body where it is: springs let this one sink sideways by 20 mm of its width of 60 mm under
+// its weight.
+TEST(NeedleSfem, EntersBodyThatHasMoved) {
+  constexpr double kGravity = 9.81, kAside = 0.02;
+  const double weight = 0.06 * 0.06 * 0.04 * 1050 * kGravity;
+  const std::string text = fmt::format(
+      "[world]\nduration = 3\ngravity = [{}, 0, 0]\n[body.pad]\nmodel = \"sfem\"\nblock = {{ size = [0.06, "
+      "0.06, 0.04], count = [6, 6, 4] }}\nfixed = \"none\"\ndensity = 1050\nyoung = 2e4\ncache = false\n"
+      "[attachment.nest]\nbetween = [\"pad\", \"ground\"]\nbox = [[-1, -1, -1], [1, 1, 1]]\nstiffness = "
+      "{}\n[tool.needle]\nbody = \"pad\"\nshape = {{ {} }}\npath = [[0, 0.051, 0.028, 0.05], [2, 0.051, "
+      "0.028, "
+      "0.05], [2.5, 0.051, 0.028, 0.015], [3, 0.051, 0.028, 0.015]]\n",
+      kGravity, weight / kAside, kNeedleKeys);
+  Result<World> world = needle_world(Exec(1), text);
+  ASSERT_TRUE(world) << world.error().message;
+  while (time_of(*world) < 1.99) ASSERT_TRUE(step(Exec(1), *world));
+  const SfemBody& body = world->sfem_bodies[0];
+  Vec3d moved;
+  for (const Vec3d u : body.flight->u) moved += u / double(body.flight->u.size());
+  EXPECT_NEAR(moved.x, kAside, 0.1 * kAside);
+  while (time_of(*world) < 2.99) ASSERT_TRUE(step(Exec(1), *world));
+  const Json report = needle_report(world->tools[0], body);
+  EXPECT_EQ(report["punctures"], 1);
+  EXPECT_NEAR(report["entry_force_N"].get<double>(), 0.328, 1e-6);
+  EXPECT_GT(report["inserted_max_mm"].get<double>(), 10);
+}
+
 // Two needles 10 mm apart in one body: each punctures it, the one at rest feels the one that enters, and the
 // bits do not depend on the number of threads.
 TEST(NeedleSfem, TwoNeedlesActOnEachOther) {

@@ -39,21 +39,32 @@ double distance_to(const Shaft& shaft, Vec3d x) {
   return norm(shaft.tip + along * s - x);
 }
 
-/// Elements that a shaft passes, or comes near to while they are deformed.
-std::vector<int> elements_near(const SolidMesh& mesh, const std::vector<Shaft>& shafts) {
+/// Elements that a shaft passes at these positions of the mesh's vertices, or comes near to while they are
+/// deformed.
+std::vector<int> elements_near(const SolidMesh& mesh, const std::vector<Vec3d>& x,
+                               const std::vector<Shaft>& shafts) {
   constexpr double kMargin = 0.004;  // [m]
   std::vector<int> elements;
   for (std::size_t e = 0; e < element_count(mesh); e++) {
-    const Vec3d center = centroid(mesh, e);
+    const auto corners = element(mesh, e);
+    Vec3d center;
+    for (const int v : corners) center += x[std::size_t(v)] / double(corners.size());
     double reach = 0;
-    for (const int v : element(mesh, e))
-      reach = std::max(reach, norm(mesh.vertices[std::size_t(v)] - center));
+    for (const int v : corners) reach = std::max(reach, norm(x[std::size_t(v)] - center));
     const bool is_near = std::any_of(shafts.begin(), shafts.end(), [&](const Shaft& shaft) {
       return distance_to(shaft, center) < reach + kMargin;
     });
     if (is_near) elements.push_back(int(e));
   }
   return elements;
+}
+
+/// Positions of all vertices: moved by tools, needles and everything else [m].
+std::vector<Vec3d> present_positions(const SfemBody& body) {
+  std::vector<Vec3d> x = body.model.body.mesh.vertices;
+  for (const std::vector<Vec3d>* u : {&body.free.now, &body.needles.by_tools})
+    for (std::size_t v = 0; v < u->size(); v++) x[v] += (*u)[v];
+  return x;
 }
 
 std::size_t vertex_count_of(const SolidMesh& mesh, const std::vector<int>& elements) {
@@ -114,7 +125,7 @@ Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<Touch
   if (body.law) return Error{"a needle needs a linear body, found a law"};
   // elements around them
   const SolidMesh& mesh = body.model.body.mesh;
-  std::vector<int> elements = elements_near(mesh, shafts);
+  std::vector<int> elements = elements_near(mesh, mesh.vertices, shafts);
   const double bytes = double(sfem::inner_green_bytes(vertex_count_of(mesh, elements)));
   if (bytes > double(body.patch_memory))
     return Error{fmt::format(
@@ -144,7 +155,7 @@ void follow_needles(const Exec& exec, SfemBody& body) {
     shafts.push_back(
         {pose.position - up * std::min(kAhead, needle->length), pose.position + up * needle->length});
   }
-  std::vector<int> elements = elements_near(body.model.body.mesh, shafts);
+  std::vector<int> elements = elements_near(body.model.body.mesh, present_positions(body), shafts);
   const std::vector<int>& known = body.needles.inner->elements;
   if (std::includes(known.begin(), known.end(), elements.begin(), elements.end())) return;
   // with those of all tracks, if they fit into memory
@@ -188,7 +199,7 @@ void displace_by_needles(SfemBody& body) {
   // motion around each needle by everything else: other needles, other tools, rotations, cloth, other bodies
   const bool has_others = std::size_t(needles) < count;
   if (needles < 2 && !has_others && !body.turning && !body.press && !body.coupling && !body.flight) return;
-  std::vector<Vec3d> others;
+  std::vector<Vec3d>& others = body.needles.by_tools;
   if (has_others) others = displacement_by_factor(body.model, coarse_forces_now(body));
   for (std::size_t t = 0; t < count; t++) {
     if (body.now.needle_forces[t].empty()) continue;

@@ -14,8 +14,8 @@ namespace turgor {
 Status prepare_needles(const Exec& exec, SfemBody& body, const std::vector<TouchingTool>& tools,
                        const Prony& viscosity);
 
-/// Solves Green's functions around needles that a hand has moved away from their paths. The haptic thread
-/// takes them with the next motion.
+/// Solves Green's functions around needles that a hand has moved away from their paths, or the body from
+/// below them. The haptic thread takes them with the next motion.
 void follow_needles(const Exec& exec, SfemBody& body);
 
 /// After reading a state: solves Green's functions whose elements are known only.

@@ -98,6 +98,7 @@ struct NeedleDisplacement {
   std::shared_ptr<const sfem::InnerGreen> inner;                // newest Green's functions around the needles
   std::vector<std::shared_ptr<const sfem::InnerGreen>> in_use;  // that the haptic thread may have
   std::vector<std::vector<Vec3d>> displacement;                 // of all vertices, by each needle [m]
+  std::vector<Vec3d> by_tools;             // of all vertices, by other tools; empty without them [m]
   std::vector<std::vector<Vec3d>> motion;  // of InnerGreen's vertices, by everything else [m]
   std::vector<double> target_motion;       // largest displacement of each of SfemBody::inside so far [m]
 };
