@@ -187,7 +187,15 @@ contact::Tie made_tie(const AttachmentScene& scene, const Attachment& whole, dou
           .force = {}};
 }
 
-/// Points of a rigid body tied to the ground, or to the nearest points of another surface.
+Error too_far(const AttachmentScene& scene, Vec3d point, const CoupledSurface& other, double distance) {
+  return {fmt::format(
+      "{}: the point {:.4g}, {:.4g}, {:.4g} m is {:.4g} m away from {}, expected at most {:.4g} m: "
+      "raise distance to tie it to the nearest point of that surface",
+      scene.source_location, point.x, point.y, point.z, distance, other.name, scene.distance)};
+}
+
+/// Points of a rigid body tied to the ground, to the same points of another rigid body, or to the nearest
+/// ones of a surface that deforms.
 Result<Attachment> attachment_at_points(const AttachmentScene& scene, const CoupledSurface& body,
                                         const CoupledSurface* other, Attachment made) {
   if (!(scene.stiffness > 0))
@@ -196,14 +204,15 @@ Result<Attachment> attachment_at_points(const AttachmentScene& scene, const Coup
                  "stiffness_per_area"};
   made.stiffness = scene.stiffness;
   TriangleTree tree;
-  if (other)
+  if (other && !other->rigid)
     tree = build_triangle_tree({other->vertices.begin(), other->vertices.end()},
                                {other->triangles.begin(), other->triangles.end()});
   for (const Vec3d p : scene.at) {
     const contact::SurfacePoint from{body.index, {-1, -1, -1}, {}, p};
-    contact::SurfacePoint to{.rest = p};
-    if (other) {
+    contact::SurfacePoint to{.body = other ? other->index : -1, .rest = p};
+    if (other && !other->rigid) {
       const TrianglePoint near = nearest_point(tree, p);
+      if (near.distance > scene.distance) return too_far(scene, p, *other, near.distance);
       to = {other->index, tree.triangles[std::size_t(near.triangle)], near.weights, near.position};
     }
     made.ties.push_back(made_tie(scene, made, 1.0 / double(scene.at.size()), from, to));

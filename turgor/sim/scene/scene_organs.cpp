@@ -74,7 +74,9 @@ std::vector<Vec3d> read_tied_points(SceneTable& table) {
   table.describe(
       "at", "m", "none",
       "`[x, y, z]` or an array of such points: points of the first body, a rigid one, that are tied "
-      "instead of surface points. One point is a ball joint, two points are a hinge");
+      "instead of surface points. One point is a ball joint, two points are a hinge. They are tied to the "
+      "same points of another rigid body, and to the nearest surface points of one that deforms, at most "
+      "`distance` away");
   const toml::node* node = table.find("at");
   if (!node) return {};
   const std::string expected = "a point [x, y, z], or an array of points";
