@@ -206,6 +206,11 @@ bool break_one(std::span<Tie> ties) {
   return true;
 }
 
+void break_overloaded(std::span<Tie> ties) {
+  for (Tie& tie : ties)
+    if (!tie.broken && tie.strength > 0 && norm(tie.force) > tie.strength) tie.broken = true, tie.force = {};
+}
+
 CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bodies, std::span<Tie> ties,
                               std::span<PairSite> sites) {
   CouplingStorage storage;

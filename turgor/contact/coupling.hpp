@@ -128,6 +128,8 @@ CouplingReport solve_coupling(const Exec& exec, std::span<const CoupledBody> bod
 
 /// Breaks the most overloaded tie; false if none is.
 bool break_one(std::span<Tie> ties);
+/// Breaks every tie whose force exceeds its strength: of ties whose forces are known once a frame.
+void break_overloaded(std::span<Tie> ties);
 
 /// Force and torque about the present center of mass.
 struct RigidLoad {

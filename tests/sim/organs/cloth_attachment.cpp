@@ -108,6 +108,18 @@ TEST(ClothAttachment, WeakSpringsTear) {
   EXPECT_LT(world.cloth_bodies[0].state->v[0].y, 0);
 }
 
+// Springs that bear ten times their strength all tear within a few frames.
+TEST(ClothAttachment, OverloadedSpringsTearAtOnce) {
+  const Exec exec(2);
+  World world = test::organs_world(exec, world_header() + hanging_sheet() + tied("ground"));
+  advance(exec, world, 180);
+  std::vector<contact::Tie>& ties = world.coupling.attachments[0].ties;
+  ASSERT_GT(ties.size(), 8u);
+  for (contact::Tie& tie : ties) tie.strength = 0.1 * norm(tie.force);
+  advance(exec, world, 2);
+  EXPECT_TRUE(std::all_of(ties.begin(), ties.end(), [](const contact::Tie& tie) { return tie.broken; }));
+}
+
 // Springs with slack pull only beyond it.
 TEST(ClothAttachment, SlackDelaysPull) {
   const Exec exec(2);

@@ -2,6 +2,7 @@
 // momentum.
 #include "turgor/sim/organs/swept.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -158,7 +159,26 @@ TEST(Swept, StiffHangingBlock_FewSweepsBearWeight) {
   }
 }
 
-// Springs that are too weak for the block tear one after the other, and it falls.
+// Many springs, which bear ten times their strength, all tear within a few frames.
+TEST(Swept, OverloadedAttachment_TearsAtOnce) {
+  const Exec exec(2);
+  World world =
+      blocks_world(exec, {{"block", -0.055}},
+                   world_text("[0, -9.81, 0]") + lattice_text("block", "none") +
+                       "[attachment.glue]\nbetween = [\"block\", \"ground\"]\nbox = [[-1, -0.026, -1], "
+                       "[1, -0.02, 1]]\nstiffness = 5000\npoints = 60\n");
+  const std::vector<contact::Tie>& ties = world.coupling.attachments[0].ties;
+  ASSERT_GT(ties.size(), 40u);
+  advance(exec, world, 90);
+  const double weight = whole_of(world, "block").mass * kBlockGravity;
+  for (contact::Tie& tie : world.coupling.attachments[0].ties)
+    tie.strength = 0.1 * weight / double(ties.size());
+  advance(exec, world, 4);
+  EXPECT_TRUE(std::all_of(ties.begin(), ties.end(), [](const contact::Tie& tie) { return tie.broken; }));
+  EXPECT_GT(world.coupling.attachments[0].torn_at, 0);
+}
+
+// Springs that are too weak for the block tear, and it falls.
 TEST(Swept, WeakAttachment_Tears) {
   const Exec exec(2);
   World world =

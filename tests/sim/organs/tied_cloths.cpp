@@ -112,6 +112,18 @@ TEST(TiedCloths, WeakSeamTears) {
   EXPECT_EQ(force_of(world, "hem"), Vec3d{});
 }
 
+// A seam whose springs all bear ten times their strength opens as a whole.
+TEST(TiedCloths, OverloadedSeamTearsAtOnce) {
+  const Exec exec(2);
+  World world = test::organs_world(exec, three_sheets(200));
+  advance(exec, world, 240);
+  std::vector<contact::Tie>& seam = world.coupling.attachments[2].ties;
+  ASSERT_GT(seam.size(), 4u);
+  for (contact::Tie& tie : seam) tie.strength = 0.1 * norm(tie.force);
+  advance(exec, world, 2);
+  for (const contact::Tie& tie : seam) EXPECT_TRUE(tie.broken);
+}
+
 // The same bits on any number of threads, after a copy and from a state file.
 TEST(TiedCloths, SameBits) {
   const std::string text = three_sheets(200);

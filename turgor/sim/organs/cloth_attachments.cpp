@@ -109,7 +109,7 @@ void finish_attachment_springs(const Exec& exec, const ClothBody& body, World& w
         tie.force = attachment.swept == 0 ? force : -force;
         if (read.empty() || read.back() != &attachment) read.push_back(&attachment);
       });
-  for (Attachment* attachment : read) contact::break_one(attachment->ties);
+  for (Attachment* attachment : read) contact::break_overloaded(attachment->ties);
 }
 
 Status check_cloth_attachment(const World& world, const std::string& where, const Attachment& attachment) {

@@ -83,7 +83,7 @@ void SweptSprings::finish(const lattice::Motion& motion) {
     const Vec3d force(spring_force(spring, displacement(spring.at, motion)));
     ties_[n]->force = patient_axes(body_) * (force * signs_[n]);
   }
-  for (Attachment* attachment : attachments_) contact::break_one(attachment->ties);
+  for (Attachment* attachment : attachments_) contact::break_overloaded(attachment->ties);
 }
 
 }  // namespace turgor

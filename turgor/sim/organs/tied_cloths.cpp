@@ -232,7 +232,7 @@ void step_tied_cloths(const Exec& exec, World& world, std::vector<ClothStep>& st
   }
   for (Attachment& attachment : world.coupling.attachments)
     if (step_of(world, steps, cloth_pair(world, attachment).own) < steps.size())
-      contact::break_one(attachment.ties);
+      contact::break_overloaded(attachment.ties);
 }
 
 }  // namespace turgor
