@@ -86,7 +86,7 @@ int prepare_poses(Tick& tick) {
       continue;
     }
     // a tool that appears may be inside the body
-    memory.inside = is_inside(tick.deformed(), pose.position, bounding_radius(shape));
+    memory.inside = is_inside(tick.deformed(), tool_position(shape, pose), bounding_radius(shape));
   }
   TURGOR_CHECK(substep_count >= 1 && substep_count <= kMaxSubsteps, "a tick has 1 to kMaxSubsteps substeps");
   return substep_count;

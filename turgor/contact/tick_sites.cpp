@@ -103,7 +103,7 @@ void find_sites_of_all_tools(Tick& tick) {
     const Shape& shape = tick.tools[i].shape;
     const Pose pose = tick.pose(i);
     if (memory.inside) {  // appeared inside: no contact until it has left the body
-      memory.inside = is_inside(tick.deformed(), pose.position, bounding_radius(shape)) ||
+      memory.inside = is_inside(tick.deformed(), tool_position(shape, pose), bounding_radius(shape)) ||
                       largest_penetration(tick, i, pose) > 0;
       continue;
     }

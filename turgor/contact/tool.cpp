@@ -16,6 +16,17 @@ struct BoundingRadius {
   double operator()(const Capsule& c) const { return c.radius + c.half_length; }
   double operator()(const MeshShape& m) const { return m.bounding_radius; }
 };
+struct NearestToOrigin {
+  Vec3d operator()(const Sphere&) const { return {}; }
+  Vec3d operator()(const Capsule&) const { return {}; }
+  Vec3d operator()(const MeshShape& m) const {
+    Vec3d nearest;
+    const int nodes[3] = {m.size.x, m.size.y, m.size.z};
+    for (int axis = 0; axis < 3; axis++)
+      nearest[axis] = std::clamp(0.0, m.corner[axis], m.corner[axis] + m.spacing * (nodes[axis] - 1));
+    return nearest;
+  }
+};
 struct TipRadius {
   double operator()(const Sphere& s) const { return s.radius; }
   double operator()(const Capsule& c) const { return c.radius; }
@@ -57,6 +68,9 @@ ShapeDistance distance(const Shape& shape, const Pose& pose, Vec3d x) {
 }
 
 double bounding_radius(const Shape& shape) { return std::visit(BoundingRadius{}, shape); }
+Vec3d tool_position(const Shape& shape, const Pose& pose) {
+  return to_world(pose, std::visit(NearestToOrigin{}, shape));
+}
 double tip_radius(const Shape& shape) { return std::visit(TipRadius{}, shape); }
 int tip_count(const Shape& shape) { return std::visit(TipCount{}, shape); }
 Vec3d tip(const Shape& shape, int index) { return std::visit(Tip{index}, shape); }

@@ -64,6 +64,9 @@ ShapeDistance distance(const Shape& shape, const Pose& pose, Vec3d x);
 
 /// Radius of a ball about the origin that contains the shape [m].
 double bounding_radius(const Shape& shape);
+/// Position of a tool: its origin, or the nearest point of the box around a mesh that lies beside its origin
+/// [m].
+Vec3d tool_position(const Shape& shape, const Pose& pose);
 /// Radius of the shape's tip. Triangles with longer edges let the tool enter between their corners [m].
 double tip_radius(const Shape& shape);
 /// Test points for contact inside such large triangles, in the shape's frame: centers of balls that fill the

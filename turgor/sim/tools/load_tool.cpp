@@ -77,9 +77,10 @@ double width(const ToolShape& given, const contact::Shape& shape) {
   return 2 * contact::bounding_radius(shape);
 }
 
-/// Distance from the tool's origin to its lowest point [m].
+/// Distance from the tool's origin down to its lowest point; negative if that is above the origin [m].
 double tip(const TriMesh& mesh) {
-  float lowest = 0;
+  TURGOR_CHECK(!mesh.vertices.empty(), "a tool has a mesh");
+  float lowest = mesh.vertices.front().z;
   for (const Vec3 x : mesh.vertices) lowest = std::min(lowest, x.z);
   return -double(lowest);
 }

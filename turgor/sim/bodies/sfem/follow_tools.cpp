@@ -173,6 +173,13 @@ PatchRebuild rebuild_of(const BuiltPatch& built, double time) {
           .is_solution = built.law && !built.nonlinear};
 }
 
+/// Positions that patches follow, of tools with these poses.
+std::vector<Vec3d> touched_positions(const SfemBody& body, std::span<const contact::ContactCenter> centers,
+                                     std::vector<contact::ToolPose> poses) {
+  for (std::size_t t = 0; t < poses.size(); t++)
+    poses[t].pose.position = contact::tool_position(body.touch.tools[t].shape, poses[t].pose);
+  return contact::touched_positions(body.model, centers, poses, body.centers);
+}
 }  // namespace
 
 Result<std::shared_ptr<const sfem::Patch>> first_patch(const Exec& exec, SfemBody& body) {
@@ -188,7 +195,7 @@ std::optional<NextPatch> follow_tools(const Exec& exec, SfemBody& body,
   contact::find_contact_centers(*body.touch.patch, body.touch.state, contact_centers);
   std::vector<contact::ToolPose> poses;
   for (const contact::ToolCommand& command : commands) poses.push_back({command.pose, command.hold});
-  std::vector<Vec3d> positions = contact::touched_positions(body.model, contact_centers, poses, body.centers);
+  std::vector<Vec3d> positions = touched_positions(body, contact_centers, std::move(poses));
   if (!contact::must_follow(body.follow, body.centers, positions)) return {};
   PointForces now{body.touch.patch, body.touch.state.force};
   if (begin_patch(exec, body, positions, std::move(now))) return NextPatch{std::move(positions), due};
@@ -256,8 +263,7 @@ void offer_patch(const Exec& exec, SfemBody& body, double time, latest<contact::
     return;  // the haptic thread has not taken the previous patch yet
 
   // start the next one
-  std::vector<Vec3d> positions =
-      contact::touched_positions(body.model, now.contact_centers, now.poses, body.centers);
+  std::vector<Vec3d> positions = touched_positions(body, now.contact_centers, now.poses);
   if (!contact::must_follow(body.follow, body.centers, positions)) {
     (void)begin_solution(body, {now.patch, now.force});
     return;

@@ -43,7 +43,8 @@ Status begin_touch(const Exec& exec, SfemBody& body, const std::vector<TouchingT
     const TouchingTool& tool = tools[std::size_t(t)];
     shapes.push_back(tool.tool);
     poses.push_back(command_at(tool, 0).pose);
-    body.centers.push_back(sample_surface(surface, poses.back().position, false, body.follow.radius).point);
+    const Vec3d position = contact::tool_position(tool.tool.shape, poses.back());
+    body.centers.push_back(sample_surface(surface, position, false, body.follow.radius).point);
   }
 
   // first patch and touch state
