@@ -16,7 +16,7 @@ Status replace_cuts(const Scene& scene, World& world) {
   }
   for (const SutureScene& stitches : scene.sutures) {
     Result<Suture> suture = load_suture(stitches, world.lattice_bodies[std::size_t(stitches.body)],
-                                        world.cuts[std::size_t(stitches.incision)], world.sutures);
+                                        world.cuts[std::size_t(stitches.incision)]);
     if (!suture) return suture.error();
     world.sutures.push_back(std::move(*suture));
   }

@@ -128,6 +128,27 @@ TEST(LiveStitch, RemovedStitchOpensWound) {
   EXPECT_FALSE(apply_request(kAlone, UndoStitchRequest{}, scene, world));
 }
 
+// A stitch that is taken back leaves the contact of the wound's walls to the stitches that stay.
+TEST(LiveStitch, RemovedStitchLeavesWalls) {
+  const fs::path folder = test::fresh_folder();
+  std::string keys = "[suture.later]\nwound = \"cut\"\nstart = 0.5\nduration = 0.1\ntension = 2\nthrough = [";
+  for (const Vec3d p : kPoints) keys += numbers(p - Vec3d{0, 0, 0.016}) + ", ";
+  auto scene = std::make_shared<const Scene>(block_with(folder, keys + "]\n", 4));
+  World world = test::block_world(kAlone, *scene);
+  step_frames(world, kStart);
+  ASSERT_TRUE(apply_request(kAlone, stitch_with(2), scene, world));
+  step_frames(world, 60);
+  const auto pressure = [&] {
+    double sum = 0;
+    for (const Suture& suture : world.sutures) sum += suture.closure ? wall_force(*suture.closure) : 0;
+    return sum;
+  };
+  EXPECT_GT(pressure(), 0.05) << "N";
+  ASSERT_TRUE(apply_request(kAlone, UndoStitchRequest{}, scene, world));
+  step_frames(world, 60);
+  EXPECT_GT(pressure(), 0.05) << "N";
+}
+
 // Wrong stitches are refused with the reason, and change nothing.
 TEST(LiveStitch, WrongRequestsAreRefused) {
   const fs::path folder = test::fresh_folder();
@@ -156,6 +177,8 @@ TEST(LiveStitch, WrongRequestsAreRefused) {
   request = stitch_with(1);
   for (Vec3d& p : request.through) p.x += 0.03;
   EXPECT_TRUE(contains(error(request), "both sides")) << "all on one side";
+  request.wound = 0;
+  EXPECT_TRUE(contains(error(request), "points on both sides of the wound cut")) << error(request);
   request = stitch_with(1);
   for (Vec3d& p : request.through) p.y -= 0.02;
   EXPECT_TRUE(contains(error(request), "through air"));

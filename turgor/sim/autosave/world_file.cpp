@@ -280,8 +280,8 @@ void transfer(File& file, SutureScene& scene) {
 }
 template <class File>
 void transfer(File& file, Suture& suture) {
-  auto& [scene, has_walls, closure] = suture;
-  transfer_all(file, scene, has_walls, closure);
+  auto& [scene, closure] = suture;
+  transfer_all(file, scene, closure);
 }
 
 /// True if bodies and wounds that cuts and stitches refer to exist.

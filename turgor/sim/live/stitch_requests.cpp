@@ -51,16 +51,14 @@ bool is_wound(const Cut& cut, int body) {
   return cut.body == body && cut.path && cut.done >= 1 && !(cut.blade.width > 0);
 }
 
-/// Nearest wound between the points of a stitch, at most their distance away.
+/// Nearest wound that a stitch crosses.
 Result<int> crossed_wound(const World& world, const SutureScene& scene) {
   const LatticeBody& body = world.lattice_bodies[std::size_t(scene.body)];
-  const std::vector<Vec3d> points = points_of_stitch(scene, body.model);
-  double least = 0;
-  for (const Vec3d p : points) least = std::max(least, norm(p - points.front()));
+  double least = HUGE_VAL;
   std::optional<int> nearest;
   for (std::size_t c = 0; c < world.cuts.size(); c++) {
     if (!is_wound(world.cuts[c], scene.body)) continue;
-    const std::optional<double> distance = distance_to_wound(*world.cuts[c].path, points);
+    const std::optional<double> distance = distance_of_stitch(scene, body.model, *world.cuts[c].path);
     if (distance && *distance <= least) least = *distance, nearest = int(c);
   }
   if (!nearest)
@@ -104,8 +102,7 @@ Status apply_request(const Exec&, const StitchRequest& request, std::shared_ptr<
   // suture of the wound
   const Result<SutureScene> scene = suture_scene(request, world);
   if (!scene) return scene.error();
-  Result<Suture> suture =
-      suture_of_wound(*scene, body, world.cuts[std::size_t(scene->incision)], world.sutures);
+  Result<Suture> suture = suture_of_wound(*scene, body, world.cuts[std::size_t(scene->incision)]);
   if (!suture) return suture.error();
   world.sutures.push_back(std::move(*suture));
   return Done{};
@@ -136,7 +133,7 @@ Status apply_request(const Exec&, const UndoStitchRequest&, std::shared_ptr<cons
   TURGOR_ASSERT(scene != nullptr, "stitches by requests follow those of a scene");
   if (world.sutures.size() <= scene->sutures.size()) return Error{"no undo: there is no stitch by hand"};
   LatticeBody& body = world.lattice_bodies[std::size_t(world.sutures.back().scene.body)];
-  world.sutures.pop_back();
+  remove_suture(body, world.sutures.size() - 1, world.sutures);
   body.state.change().sleep = {};  // wakes all rows
   return Done{};
 }

@@ -49,6 +49,8 @@ Status read_suture_state(const Hdf5File& file, const std::string& group, const W
   const Cut& cut = world.cuts[std::size_t(suture.scene.incision)];
   const LatticeBody& body = world.lattice_bodies[std::size_t(suture.scene.body)];
   if (const Status laid = advance_suture(body, cut, suture.scene.pull.start, suture); !laid) return laid;
+  // another suture of the wound may have had its walls
+  if (suture.closure && 2 * suture.closure->walls.size() != walls.size()) remove_walls(*suture.closure);
   if (!suture.closure || suture.closure->stitches.size() != count ||
       2 * suture.closure->walls.size() != walls.size()) {
     reading.fail("phase", "expected the stitches of the scene");

@@ -99,9 +99,10 @@ SutureMeasures make_suture_measures(const World& world, const Suture& suture) {
 
 void measure_suture(const World& world, const Suture& suture, SutureMeasures& measures) {
   if (!suture.closure) return;
-  const lattice::Motion& motion = world.lattice_bodies[std::size_t(suture.scene.body)].state->motion;
+  const LatticeBody& body = world.lattice_bodies[std::size_t(suture.scene.body)];
+  const lattice::Motion& motion = body.state->motion;
   SutureSample sample{.time = time_of(world),
-                      .closing_force = closing_force(*suture.closure, motion),
+                      .closing_force = closing_force(body, suture, world.sutures),
                       .thread_length = thread_length(*suture.closure)};
   measures.stitches.clear();
   for (const lattice::Stitch& stitch : suture.closure->stitches) {

@@ -22,6 +22,13 @@ Scene closed_scene(const std::filesystem::path& folder, const std::string& sutur
   return *scene;
 }
 
+/// A single stitch across the cut at a height, with more keys.
+std::string single_stitch(const char* name, const char* z, const char* start, const std::string& keys = "") {
+  return std::string("[suture.") + name + "]\nwound = \"cut\"\nthrough = [[-0.010, -0.019, " + z +
+         "], [-0.010, -0.015, " + z + "], [0.014, -0.015, " + z + "], [0.014, -0.019, " + z +
+         "]]\nduration = 0.2\nstart = " + start + "\n" + keys;
+}
+
 /// x of a triangle where the line along x through a point meets it [m].
 std::optional<double> meet_along_x(const std::array<Vec3d, 3>& t, Vec3d p) {
   const auto area = [](Vec3d a, Vec3d b, Vec3d c) {
@@ -93,13 +100,9 @@ TEST(ClosedWound, WallsOverlapByLessThanTenthOfCell) {
 // Sutures with different starts close a wound in their order: the first stitch is knotted before the second
 // is pulled, and both bear at the end.
 TEST(ClosedWound, SuturesAreTiedInTheirOrder) {
-  const auto stitch = [](const char* name, const char* z, const char* start) {
-    return std::string("[suture.") + name + "]\nwound = \"cut\"\nthrough = [[-0.010, -0.019, " + z +
-           "], [-0.010, -0.015, " + z + "], [0.014, -0.015, " + z + "], [0.014, -0.019, " + z +
-           "]]\nduration = 0.2\nstart = " + start + "\n";
-  };
   const Scene scene = closed_scene(
-      test::fresh_folder(), stitch("upper", "0.012", "0.3") + stitch("lower", "-0.012", "0.9"), 1.6, true);
+      test::fresh_folder(), single_stitch("upper", "0.012", "0.3") + single_stitch("lower", "-0.012", "0.9"),
+      1.6, true);
   World world = test::block_world(Exec(1), scene);
   const auto phase = [&](std::size_t suture) { return world.sutures[suture].closure->stitches[0].phase; };
   while (time_of(world) < 0.88) ASSERT_TRUE(step(Exec(1), world));
@@ -146,6 +149,82 @@ TEST(ClosedWound, RimsEndAtLips) {
     rims++;
   }
   EXPECT_GE(rims, 6);
+}
+
+/// Distances between the walls of a cut under one stitch, and the force between them.
+struct WallsUnderStitch {
+  WallDistances distances;
+  double force = 0;  // [N]
+};
+WallsUnderStitch walls_now(const World& world) {
+  WorldSnapshot snapshot;
+  show(Exec(1), world, snapshot);
+  WallsUnderStitch walls{WallDistances(snapshot.bodies[0])};
+  for (const Suture& suture : world.sutures)
+    if (suture.closure) walls.force += wall_force(*suture.closure);
+  return walls;
+}
+
+// The walls of a wound press on each other as long as a suture of it bears, whichever that is: one whose
+// thread breaks at once or later, and one that starts after another one of the file.
+TEST(ClosedWound, WallsOutliveFirstSuture) {
+  constexpr double kCell = 0.008;  // [m]
+  struct Case {
+    const char *start, *keys;  // of the first one
+    double breaks;             // time at which the strength of its thread falls; 0 = never [s]
+  };
+  for (const Case c : {Case{"0.3", "tension = 3\n", 0.0},  // for comparison
+                       {"0.3", "tension = 3\nthread_strength = 0.01\n", 0.0},
+                       {"0.3", "tension = 3\n", 1.0},
+                       {"5", "tension = 3\n", 0.0}}) {
+    const Scene scene = closed_scene(test::fresh_folder(),
+                                     single_stitch("upper", "0.012", c.start, c.keys) +
+                                         single_stitch("lower", "-0.012", "0.3", "tension = 3\n"),
+                                     6, false);
+    World world = test::block_world(Exec(1), scene);
+    double before = 0;
+    while (time_of(world) < 1.6 - 1e-6) {
+      if (c.breaks > 0 && std::abs(time_of(world) - c.breaks) < 1e-6) {
+        before = walls_now(world).force;
+        world.sutures[0].closure->thread.strength = 0.01;
+      }
+      ASSERT_TRUE(step(Exec(1), world));
+    }
+    const WallsUnderStitch walls = walls_now(world);
+    const double pull = thread_force(*world.sutures[1].closure, world.lattice_bodies[0].state->motion);
+    std::printf("first from %s s, %s: walls bear %.3f N (%.3f before) of %.3f N, overlap %.3f mm\n", c.start,
+                world.sutures[0].closure && bears(*world.sutures[0].closure) ? "bears" : "bears nothing",
+                walls.force, before, pull, -1e3 * walls.distances.least);
+    EXPECT_GT(walls.force, 0.02 * pull) << "N";
+    EXPECT_GT(walls.distances.least, -0.05 * kCell) << "m";
+    // one closure has the walls
+    int owners = 0;
+    for (const Suture& suture : world.sutures) owners += suture.closure && !suture.closure->walls.empty();
+    EXPECT_EQ(owners, 1);
+  }
+}
+
+// Two stitches with the same tension at the same distance from the middle of a wound close it with the same
+// force. Together they have the force of their threads less the pressure of the walls.
+TEST(ClosedWound, SuturesShareThePressureOfWalls) {
+  const Scene scene = closed_scene(test::fresh_folder(),
+                                   single_stitch("upper", "0.012", "0.3", "tension = 3\n") +
+                                       single_stitch("lower", "-0.012", "0.3", "tension = 3\n"),
+                                   1.6, false);
+  World world = test::block_world(Exec(1), scene);
+  const Result<Simulated> run = simulate(Exec(1), scene, world);
+  ASSERT_TRUE(run) << run.error().message;
+  double closing[2], threads = 0, pressure = 0;
+  for (const std::size_t n : {0, 1}) {
+    closing[n] = run->measures.sutures[n].series.back().closing_force;
+    threads += thread_force(*world.sutures[n].closure, world.lattice_bodies[0].state->motion);
+    pressure += wall_force(*world.sutures[n].closure);
+  }
+  std::printf("closing forces %.4f and %.4f N, threads %.4f N, walls %.4f N\n", closing[0], closing[1],
+              threads, pressure);
+  EXPECT_GT(pressure, 0.1 * threads) << "N";
+  EXPECT_NEAR(closing[0] + closing[1], threads - pressure, 1e-6 * threads);
+  EXPECT_NEAR(closing[0], closing[1], 0.1 * closing[1]) << "N";
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "tests/sim/block_scene.hpp"
 #include "tests/sim/recorded_snapshot.hpp"
 #include "tests/sim/resumed.hpp"
@@ -190,6 +192,29 @@ TEST(Suture, StateIsRestored) {
   EXPECT_EQ(resumed.sutures[0].closure->stitches[2].tension, world.sutures[0].closure->stitches[2].tension);
 }
 
+// The same of two sutures of one wound, after the first one has broken.
+TEST(Suture, StateOfTwoSuturesIsRestored) {
+  const std::filesystem::path folder = test::fresh_folder();
+  const std::string second =
+      "[suture.second]\nwound = \"cut\"\nthrough = [[-0.010, -0.019, 0.004], [-0.010, -0.015, 0.004], "
+      "[0.014, "
+      "-0.015, 0.004], [0.014, -0.019, 0.004]]\nstart = 0.3\n";
+  const Scene scene = sutured_scene(folder, std::string(kRow) + "thread_strength = 0.05\n" + second, 1.5);
+  const Exec exec(1);
+  World world = test::block_world(exec, scene), resumed = test::block_world(exec, scene);
+  const LoadedPatches loaded = loaded_patches(world);
+  for (int frame = 0; frame < 50; frame++) ASSERT_TRUE(step(exec, world));
+  ASSERT_FALSE(bears(*world.sutures[0].closure));
+  ASSERT_TRUE(bears(*world.sutures[1].closure));
+  const WorldSnapshot snapshot = test::record_snapshot(exec, folder / "r.h5", scene, world);
+  World drawn = test::block_world(exec, scene);
+  const WorldSnapshot redrawn = test::restore_snapshot(exec, folder / "r.h5", drawn);
+  EXPECT_EQ(redrawn.threads.at(1).vertices, snapshot.threads.at(1).vertices);
+  EXPECT_EQ(wall_force(*drawn.sutures[1].closure), wall_force(*world.sutures[1].closure));
+  test::expect_resumes(exec, folder / "state", loaded, world, resumed);
+  EXPECT_EQ(wall_force(*resumed.sutures[1].closure), wall_force(*world.sutures[1].closure));
+}
+
 // Wrong scenes are refused with the key and the reason.
 TEST(Suture, WrongScenesAreRefused) {
   const auto error = [](const std::string& keys, const std::vector<std::string>& overrides = {}) {
@@ -226,6 +251,15 @@ TEST(Suture, StitchesThatDoNotFitAreRefused) {
       std::string::npos);
   EXPECT_NE(error("thread_length = 0.02\n").find("the thread is shorter than its stitches"),
             std::string::npos);
+  // beside the wound at x = 2 mm, across its line but far from it, and on both sides of it
+  const auto through = [](double x, double z) {
+    return fmt::format("through = [[{0}, -0.019, {2}], [{0}, -0.015, {2}], [{1}, -0.015, {2}]]\n", x - 0.01,
+                       x + 0.01, z);
+  };
+  const std::string message = "through: expected points on both sides of the wound cut, found none near it";
+  EXPECT_NE(error(through(0.03, 0)).find(message), std::string::npos) << error(through(0.03, 0));
+  EXPECT_NE(error(through(0.002, 0.058)).find(message), std::string::npos) << error(through(0.002, 0.058));
+  EXPECT_EQ(error(through(0.004, 0)), "no error");
 }
 
 // A suture of a wound whose body is missing is refused with the wound.

@@ -1,12 +1,12 @@
-// Forces of stitches and of wall contact, and their multipliers.
+// Forces of stitches, and the multipliers of stitches and walls.
 #include "turgor/models/lattice/suture/closure.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "turgor/core/assert.hpp"
-#include "turgor/models/lattice/mechanics/skin_calibration.hpp"
 #include "turgor/models/lattice/suture/thread_loop.hpp"
+#include "turgor/models/lattice/suture/wall_contact.hpp"
 
 namespace turgor::lattice {
 
@@ -15,36 +15,14 @@ namespace {
 /// Share of the error that a step removes from a multiplier. Bodies settle in a few steps; larger values
 /// let soft bodies with inertia oscillate.
 constexpr double kRelaxation = 0.3;
-/// Stiffness of walls and rims of a closed wound that rests, over that of the tissue and skin around. Such
-/// bodies come to rest with 3, 5 and 10; with 30, the sweeps of a step do not converge (PassiveClosure).
-constexpr double kWallStiffness = 5;
 /// Gape at which lips count as closed [m].
 constexpr double kClosedGape = 1e-4;
 /// Thread pulled in per step, over the gape, after the time of the pull. The lips of an excision travel far:
 /// a faster pull would overshoot before the tissue follows.
 constexpr double kSlowPull = 0.1;
 
-/// Penalty stiffness near a cell, about that of its tissue and skin [N/m]. A stiffer one would slow the
-/// sweeps down; the multipliers bring what it lacks.
-double penalty_at(const Model& model, const EmbeddedPoint& point) {
-  const double young = double(model.anatomy.cell_young[std::size_t(point.cell)]),
-               spacing = double(model.anatomy.lattice.spacing.x);
-  return std::max(young, model.params.tissue.fat) * spacing +
-         (model.params.skin.enabled ? skin_stiffness(model.params.skin) : 0);
-}
-
-/// The same for the walls of a wound [N/m].
-double wall_stiffness(const Model& model, const WallPair& pair, bool is_settled) {
-  return (is_settled ? kWallStiffness : 1) * penalty_at(model, pair.at.left);
-}
-
 PointStiffness sum_of(const PointStiffness& a, const PointStiffness& b) {
   return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.xz + b.xz, a.yz + b.yz};
-}
-/// k g gᵀ.
-PointStiffness outer(Vec3d g, double k) {
-  const double size = norm(g);
-  return axial_stiffness(Vec3(normalized(g)), Real(k * size * size), 0);
 }
 
 /// Updates a stitch and its springs. L = Σ |x_{p+1} − x_p|, multiplier λ, penalty κ:
@@ -80,26 +58,6 @@ void update_stitch(const Model& model, const Motion& motion, const WoundClosure&
             spring.stiffness,
             axial_stiffness(Vec3(loop.direction[strand]), 0, Real(2 * stitch.tension / loop.length[strand])));
   }
-}
-
-/// Distance of two wall points along the normal [m]; negative if they overlap.
-double gap_of(const WallPair& pair, const Motion& motion) {
-  return pair.gap +
-         dot(Vec3d(displacement(pair.at.right, motion)) - Vec3d(displacement(pair.at.left, motion)),
-             pair.normal);
-}
-
-/// Updates a wall pair and its two springs: N = max(0, λ − κ (gap + n·(u_right − u_left))).
-void update_wall(const Model& model, const Motion& motion, bool is_settled, WallPair& pair,
-                 std::span<PointSpring> springs) {
-  const double penalty = wall_stiffness(model, pair, is_settled);
-  pair.force = std::max(0.0, pair.multiplier - penalty * gap_of(pair, motion));
-  const PointStiffness stiffness = outer(pair.normal, pair.force > 0 ? 2 * penalty : 0);
-  springs[0].force = Vec3(pair.normal * -pair.force), springs[1].force = Vec3(pair.normal * pair.force);
-  springs[0].target = displacement(pair.at.left, motion);
-  springs[1].target = displacement(pair.at.right, motion);
-  springs[0].stiffness = springs[1].stiffness = stiffness;
-  springs[0].coupling.stiffness = pair.force > 0 ? Real(penalty) : 0;
 }
 
 /// Gives a stitch of prescribed tension the thread that its loop has under this tension.
@@ -150,11 +108,6 @@ Loop loop_through(const Stitch& stitch, std::span<const Vec3d> x) {
   return loop;
 }
 
-bool is_active(const WoundClosure& closure) {
-  return std::any_of(closure.stitches.begin(), closure.stitches.end(),
-                     [](const Stitch& stitch) { return bears(stitch.phase); });
-}
-
 /// Turns the threads, walls and rims of a closure that has come to rest into springs with the present forces.
 void make_springs(const Model& model, const Motion& motion, WoundClosure& closure) {
   closure.settled = true;
@@ -169,6 +122,11 @@ void make_springs(const Model& model, const Motion& motion, WoundClosure& closur
 }
 
 }  // namespace
+
+bool bears(const WoundClosure& closure) {
+  return std::any_of(closure.stitches.begin(), closure.stitches.end(),
+                     [](const Stitch& stitch) { return bears(stitch.phase); });
+}
 
 std::vector<Vec3d> points_now(const Stitch& stitch, const Motion& motion) {
   std::vector<Vec3d> points = stitch.rest;
@@ -225,25 +183,22 @@ std::vector<Vec3d> stitch_forces(const Stitch& stitch, const Motion& motion) {
   return forces;
 }
 
-double closing_force(const WoundClosure& closure, const Motion& motion) {
+double thread_force(const WoundClosure& closure, const Motion& motion) {
   double sum = 0;
   for (const Stitch& stitch : closure.stitches) {
     const std::vector<Vec3d> forces = stitch_forces(stitch, motion);
     for (std::size_t p = 0; p < forces.size(); p++)
       if (stitch.side[p] < 0) sum += dot(forces[p], stitch.across);
   }
-  return sum - wall_force(closure);
-}
-
-double wall_force(const WoundClosure& closure) {
-  double sum = 0;
-  for (const WallPair& pair : closure.walls)
-    if (pair.stitch < 0) sum += pair.force;
   return sum;
 }
 
+double closing_force(const WoundClosure& closure, const Motion& motion) {
+  return thread_force(closure, motion) - wall_force(closure);
+}
+
 std::size_t spring_count(const WoundClosure& closure) {
-  if (!is_active(closure)) return 0;
+  if (!bears(closure)) return 0;
   std::size_t count = 0;
   for (const Stitch& stitch : closure.stitches)
     if (bears(stitch.phase)) count += stitch.at.size();
@@ -253,7 +208,7 @@ std::size_t spring_count(const WoundClosure& closure) {
 
 double stored_energy(const Model& model, const Motion& motion, const WoundClosure& closure) {
   double sum = 0;
-  if (!is_active(closure)) return sum;
+  if (!bears(closure)) return sum;
   for (const Stitch& stitch : closure.stitches) {
     if (!bears(stitch.phase) || stitch.length == 0) continue;
     const double stretch = std::max(0.0, loop_length(stitch, motion) - stitch.length);
@@ -269,7 +224,7 @@ double stored_energy(const Model& model, const Motion& motion, const WoundClosur
 }
 
 void append_springs(const WoundClosure& closure, std::vector<PointSpring>& springs) {
-  if (!is_active(closure)) return;
+  if (!bears(closure)) return;
   for (const Stitch& stitch : closure.stitches) {
     if (!bears(stitch.phase)) continue;
     const Loop loop = rest_loop_of(stitch);
@@ -305,7 +260,7 @@ void update_springs(const Model& model, const Motion& motion, WoundClosure& clos
 
 void update_multipliers(const Model& model, const Motion& motion, WoundClosure& closure) {
   constexpr double kSettled = 1e-3;  // change over the largest tension
-  if (!is_active(closure)) {
+  if (!bears(closure)) {
     closure.settled = true;
     return;
   }
@@ -362,8 +317,6 @@ void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& cl
   if (has_broken && closure.is_running)
     for (Stitch& stitch : closure.stitches)
       if (bears(stitch.phase)) end(stitch, StitchPhase::kBroken);
-  if (!is_active(closure))
-    for (WallPair& pair : closure.walls) pair.force = pair.multiplier = 0;
 }
 
 }  // namespace turgor::lattice

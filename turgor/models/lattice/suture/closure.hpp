@@ -128,8 +128,12 @@ double thread_length(const WoundClosure& closure);
 double gape_under(const Stitch& stitch, const Motion& motion);
 /// Forces of the thread on the points of a stitch [N], lattice frame. Their sum is zero.
 std::vector<Vec3d> stitch_forces(const Stitch& stitch, const Motion& motion);
-/// Force with which the stitches pull the left lip to the right, less the pressure of the walls [N].
+/// Force with which the stitches pull the left lip to the right [N].
+double thread_force(const WoundClosure& closure, const Motion& motion);
+/// The same, less the pressure of the walls [N].
 double closing_force(const WoundClosure& closure, const Motion& motion);
+/// True if a stitch bears.
+bool bears(const WoundClosure& closure);
 
 /// Appends the springs of a closure: those of the stitches that bear, then those of the walls. Without such
 /// a stitch there are none.
@@ -144,6 +148,11 @@ double stored_energy(const Model& model, const Motion& motion, const WoundClosur
 
 /// Contact between the walls of the wound [N]: the sum over all pairs but rims.
 double wall_force(const WoundClosure& closure);
+/// Removes the walls of a wound, but no rims.
+void remove_walls(WoundClosure& closure);
+/// Leaves the walls of a wound to one of its closures: to one that bears, if any does. They keep their forces
+/// when the closure that had them ends.
+void share_walls(const Model& model, const Motion& motion, std::span<WoundClosure* const> of_wound);
 
 /// Turning of the thread between the deep strands of two successive stitches of a running suture [rad].
 double turning_between(const Stitch& from, const Stitch& to, const Motion& motion);
@@ -159,7 +168,8 @@ void free_thread(WoundClosure& closure, std::size_t torn);
 /// After a step: moves the multipliers towards the thread's law and closed walls, and slides a running
 /// thread. A closure whose forces rest gets springs.
 void update_multipliers(const Model& model, const Motion& motion, WoundClosure& closure);
-/// Ends stitches whose thread or tissue yields at the end of a step. A running suture breaks as a whole.
+/// Ends stitches whose thread or tissue yields at the end of a step. A running suture breaks as a whole. The
+/// walls keep their forces for share_walls.
 void end_overloaded_stitches(const Motion& motion, double time, WoundClosure& closure);
 
 }  // namespace turgor::lattice

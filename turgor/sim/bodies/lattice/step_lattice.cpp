@@ -72,7 +72,7 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   const std::vector<lattice::NodeLoad> loads = node_loads(body);
 
   // loads, tools, stitches and attachments
-  SutureSprings stitches(body.model, int(&body - world.lattice_bodies.data()), world.sutures);
+  SutureSprings stitches(body, int(&body - world.lattice_bodies.data()), world.sutures);
   SweptSprings attachments(body, world, stitches.input());
   lattice::Inputs inputs{.gravity = body.has_gravity ? world.gravity : Vec3d{},
                          .measure_residual = input.measure_residual && has_forces,

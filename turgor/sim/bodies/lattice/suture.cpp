@@ -25,8 +25,6 @@ Result<lattice::WoundClosure> lay(const Suture& suture, const LatticeBody& body,
       lattice::lay_stitches(body.model, body.state.cuts(), path, layout_of(suture.scene, body.model));
   if (!closure) return Error{fmt::format("{}: {}", suture.scene.source_location, closure.error().message)};
   closure->thread = suture.scene.thread, closure->pull_out = suture.scene.pull_out;
-  if (!suture.has_walls)
-    std::erase_if(closure->walls, [](const lattice::WallPair& pair) { return pair.stitch < 0; });
   return closure;
 }
 
@@ -58,13 +56,18 @@ void add_tube(Vec3d from, Vec3d to, double radius, TriMesh& mesh) {
   }
 }
 
-/// Suture that is not laid yet. Only the first one of a wound has the contact of its walls.
-Suture new_suture(const SutureScene& scene, std::span<const Suture> others) {
-  Suture suture{.scene = scene};
-  suture.has_walls = std::none_of(others.begin(), others.end(), [&](const Suture& other) {
-    return other.scene.incision == scene.incision;
-  });
-  return suture;
+/// Error if a single stitch does not cross its wound.
+Status check_crossing(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
+                      const lattice::BladePath& path) {
+  if (scene.through.empty() || distance_of_stitch(scene, body.model, path)) return Done{};
+  return Error{fmt::format("{}: through: expected points on both sides of the wound {}, found none near it",
+                           scene.source_location, cut.blade.name)};
+}
+
+/// True if the other suture was laid on the wound of this one.
+bool is_beside(const Suture& other, const Suture& suture) {
+  return other.closure && other.scene.body == suture.scene.body &&
+         other.scene.incision == suture.scene.incision;
 }
 
 }  // namespace
@@ -76,21 +79,30 @@ std::vector<Vec3d> points_of_stitch(const SutureScene& scene, const lattice::Mod
   return points;
 }
 
-Result<Suture> suture_of_wound(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
-                               std::span<const Suture> others) {
+std::optional<double> distance_of_stitch(const SutureScene& scene, const lattice::Model& model,
+                                         const lattice::BladePath& path) {
+  const std::vector<Vec3d> points = points_of_stitch(scene, model);
+  double extent = 0;
+  for (const Vec3d p : points) extent = std::max(extent, norm(p - points.front()));
+  const std::optional<double> distance = distance_to_wound(path, points);
+  return distance && *distance <= extent ? distance : std::nullopt;
+}
+
+Result<Suture> suture_of_wound(const SutureScene& scene, const LatticeBody& body, const Cut& cut) {
   TURGOR_ASSERT(cut.path && cut.done >= 1, "the wound is cut");
-  Suture suture = new_suture(scene, others);
+  Suture suture{.scene = scene};
+  if (const Status crosses = check_crossing(scene, body, cut, *cut.path); !crosses) return crosses.error();
   const Result<lattice::WoundClosure> trial = lay(suture, body, *cut.path);
   if (!trial) return trial.error();
   return suture;
 }
 
-Result<Suture> load_suture(const SutureScene& scene, const LatticeBody& body, const Cut& cut,
-                           std::span<const Suture> others) {
-  Suture suture = new_suture(scene, others);
+Result<Suture> load_suture(const SutureScene& scene, const LatticeBody& body, const Cut& cut) {
+  Suture suture{.scene = scene};
   // trial on the uncut body
   const Result<lattice::BladePath> path = lattice::lay_blade(body.model, body.state, cut.blade);
   if (!path) return Error{fmt::format("{}: {}", scene.source_location, path.error().message)};
+  if (const Status crosses = check_crossing(scene, body, cut, *path); !crosses) return crosses.error();
   const Result<lattice::WoundClosure> trial = lay(suture, body, *path);
   if (!trial) return trial.error();
   double needed = 0;
@@ -118,17 +130,19 @@ Status advance_suture(const LatticeBody& body, const Cut& cut, double time, Sutu
   return Done{};
 }
 
-SutureSprings::SutureSprings(const lattice::Model& model, int body, std::span<Suture> sutures) {
+SutureSprings::SutureSprings(const LatticeBody& body, int index, std::span<Suture> sutures) {
   for (Suture& suture : sutures) {
-    if (suture.scene.body != body || !suture.closure) continue;
+    if (suture.scene.body != index || !suture.closure) continue;
     closures.push_back(&*suture.closure);
-    append_springs(*suture.closure, springs.all);
+    of_wounds[suture.scene.incision].push_back(closures.back());
   }
+  for (const auto& [wound, all] : of_wounds) share_walls(body.model, body.state->motion, all);
+  for (const lattice::WoundClosure* closure : closures) append_springs(*closure, springs.all);
   if (springs.all.empty()) return;
   make_terms(springs);
   springs.settled = std::all_of(closures.begin(), closures.end(),
                                 [](const lattice::WoundClosure* closure) { return closure->settled; });
-  springs.refresh = [this, &model](const lattice::State& state) {
+  springs.refresh = [this, &model = body.model](const lattice::State& state) {
     std::size_t next = 0;
     for (lattice::WoundClosure* closure : closures) {
       const std::size_t count = spring_count(*closure);
@@ -143,6 +157,30 @@ void SutureSprings::finish(const lattice::Model& model, const lattice::Motion& m
     update_multipliers(model, motion, *closure);
     end_overloaded_stitches(motion, time, *closure);
   }
+  for (const auto& [wound, all] : of_wounds) share_walls(model, motion, all);
+}
+
+void remove_suture(const LatticeBody& body, std::size_t number, std::vector<Suture>& sutures) {
+  Suture& removed = sutures[number];
+  if (removed.closure) {
+    // walls go to another suture once none of its stitches bears
+    for (lattice::Stitch& stitch : removed.closure->stitches) stitch.phase = lattice::StitchPhase::kBroken;
+    std::vector<lattice::WoundClosure*> of_wound;
+    for (Suture& other : sutures)
+      if (is_beside(other, removed)) of_wound.push_back(&*other.closure);
+    share_walls(body.model, body.state->motion, of_wound);
+  }
+  sutures.erase(sutures.begin() + std::ptrdiff_t(number));
+}
+
+double closing_force(const LatticeBody& body, const Suture& suture, std::span<const Suture> sutures) {
+  if (!suture.closure) return 0;
+  double of_threads = 0, of_walls = 0;
+  for (const Suture& other : sutures)
+    if (is_beside(other, suture))
+      of_threads += thread_force(*other.closure, body.state->motion), of_walls += wall_force(*other.closure);
+  const double own = thread_force(*suture.closure, body.state->motion);
+  return own - (of_threads > 0 ? own / of_threads * of_walls : 0);
 }
 
 TriMesh thread_mesh(const LatticeBody& body, const Suture& suture) {
