@@ -240,18 +240,124 @@ TEST(Loop, LostDeviceLeavesOtherRunning) {
   ASSERT_TRUE(wait_for([&] { return lost.last > 0.9; }));
   lost.unplugged = true;
   ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).lost; }));
-  const int exchanges = lost.exchanges;
+  lost.largest = 0;
   const int ticks = wall.ticks;
   ASSERT_TRUE(wait_for([&] { return wall.ticks > ticks + 20; }));
-  EXPECT_EQ(lost.last, 0);
-  EXPECT_EQ(lost.exchanges, exchanges);
+  EXPECT_EQ(lost.largest, 0);
   EXPECT_GT(other.last, 0.9);
   EXPECT_TRUE((*loop)->running());
   const std::vector<std::string> notes = (*loop)->notes();
   ASSERT_EQ(notes.size(), 1u);
   EXPECT_NE(notes[0].find("still was lost: its cable is out"), std::string::npos) << notes[0];
-  other.unplugged = true;  // now all devices are lost
-  EXPECT_TRUE(wait_for([&] { return !(*loop)->running(); }));
+  other.unplugged = true;  // now all devices are lost, and the model goes on
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(1).lost; }));
+  const int alone = wall.ticks;
+  EXPECT_TRUE(wait_for([&] { return wall.ticks > alone + 20; }));
+  EXPECT_TRUE((*loop)->running());
+}
+
+/// The device answers again, and its force is off.
+bool is_waiting(Loop& loop) {
+  const HandStatus& status = loop.status(0);
+  return !status.lost && status.start == SoftStart::kWaiting;
+}
+
+// A device that is plugged in again while its hand is deep inside a body gets no force until the hand has
+// left it, then a soft start.
+TEST(Loop, ReturnedDeviceStartsSoftly) {
+  StillDevice device;
+  Wall wall;
+  SafetyParams safety = short_ramp();
+  safety.ramp = 0.2;
+  auto loop =
+      Loop::start({{.device = &device, .coupling = Coupling{}, .safety = safety}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
+  device.z = -0.002;
+  ASSERT_TRUE(wait_for([&] { return device.last > 0.6; }));
+  // without an answer for 200 ms; the hand moves meanwhile, by less than a jump
+  device.unplugged = true;
+  device.z = -0.02;
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).lost; }));
+  EXPECT_EQ((*loop)->news().size(), 1u);  // its reason is known only while it is lost
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  device.largest = 0;
+  device.unplugged = false;
+  ASSERT_TRUE(wait_for([&] { return is_waiting(**loop); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(device.largest, 0) << "N, inside the wall";
+  EXPECT_NEAR((*loop)->status(0).command.pose.position.z, -0.02 * 1000 / 1500, 1e-4)
+      << "m: the proxy rests between coupling and wall";
+  // outside, then a press
+  device.z = 0.01;
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
+  device.z = -0.002;
+  const double series = 500.0 * 1000 / 1500;
+  EXPECT_TRUE(wait_for([&] { return std::abs(device.last - 0.002 * series) < 1e-6; })) << device.last;
+  (*loop)->stop();
+  EXPECT_LE((*loop)->report().force_jump, 12 * 2 * 1e-3 / 0.005 * 1.0001);
+  const std::vector<std::string> notes = (*loop)->notes();
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("still was lost: its cable is out; it returned"), std::string::npos) << notes[0];
+}
+
+// The tool of a device that has not answered yet is in the middle of its workspace.
+TEST(Loop, SilentDeviceLeavesToolInMiddle) {
+  StillDevice device;
+  device.unplugged = true;
+  Wall wall;
+  const Workspace workspace{.origin = {0.1, 0.2, 0.3}};
+  auto loop = Loop::start({{.device = &device, .workspace = workspace}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).lost; }));
+  EXPECT_EQ((*loop)->status(0).command.pose.position, workspace.origin);
+}
+
+// The reason of a loss is known after stop, which closes the device.
+TEST(Loop, LossIsReportedAfterStop) {
+  StillDevice device;
+  Wall wall;
+  auto loop = Loop::start({{.device = &device}}, Wall::tick, &wall, kPlain);
+  ASSERT_TRUE(loop);
+  device.unplugged = true;
+  ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).lost; }));
+  (*loop)->stop();
+  device.unplugged = false;  // a closed device states another reason
+  const std::vector<std::string> notes = (*loop)->notes();
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("still was lost: its cable is out"), std::string::npos) << notes[0];
+}
+
+// Ticks go on after a device that called them has ended its calls, and its loss is reported.
+TEST(Loop, EndedCallsAreALoss) {
+  for (const int pause : {130, 400}) {  // until stop: before and after the ticks notice [ms]
+    StillDevice device(Pacing::kCallback);
+    Wall wall;
+    auto loop = Loop::start({{.device = &device, .safety = short_ramp()}}, Wall::tick, &wall, kPlain);
+    ASSERT_TRUE(loop);
+    ASSERT_TRUE(wait_for([&] { return (*loop)->status(0).start == SoftStart::kFull; }));
+    device.unplugged = true;
+    device.close();
+    const int ticks = wall.ticks;
+    std::this_thread::sleep_for(std::chrono::milliseconds(pause));
+    if (pause > 200) {
+      EXPECT_TRUE(wait_for([&] { return wall.ticks > ticks + 50; }));
+    }
+    (*loop)->stop();
+    const std::vector<std::string> notes = (*loop)->notes(), news = (*loop)->news();
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find("still was lost: its cable is out; its forces are off"), std::string::npos)
+        << notes[0];
+    EXPECT_EQ(news.size(), 1u);
+  }
+}
+
+// A device that keeps its own time sets the rate; of several that wait for their tick, the slowest.
+TEST(Loop, RateIsThatOfDevices) {
+  StillDevice plain, waiting(Pacing::kDevice), calling(Pacing::kCallback);
+  EXPECT_EQ(loop_rate(std::vector<Hand>{{.device = &plain}}, 500), 500);
+  EXPECT_EQ(loop_rate(std::vector<Hand>{{.device = &plain}, {.device = &waiting}}, 500), 1000);
+  EXPECT_EQ(loop_rate(std::vector<Hand>{{.device = &waiting}, {.device = &calling}}, 500), 1000);
 }
 
 // Stopping fades the force, ends the thread and closes the devices.
@@ -338,9 +444,11 @@ TEST(Loop, FirstCallbackDeviceSetsRate) {
   }));
   first.z = -0.002, second.z = -0.004;
   EXPECT_TRUE(wait_for([&] { return std::abs(first.last - 1) < 1e-9 && std::abs(second.last - 2) < 1e-9; }));
-  first.close();  // its callbacks end, so the input of the other device becomes stale
+  first.close();  // its callbacks end, so the force of the other device becomes stale
   EXPECT_TRUE(wait_for([&] { return second.last == 0; }));
-  EXPECT_TRUE(wait_for([&] { return !(*loop)->running(); }));
+  // the loop's own clock continues with the other device
+  EXPECT_TRUE(wait_for([&] { return (*loop)->status(0).lost && std::abs(second.last - 2) < 1e-9; }));
+  EXPECT_TRUE((*loop)->running());
 }
 
 // The pressed clutch detaches the tool from the hand and sends zero force.

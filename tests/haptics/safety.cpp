@@ -185,8 +185,8 @@ TEST(Safety, SilentModelFadesToDamping) {
   EXPECT_EQ(safety.counts.silent, 1051u);
 }
 
-// A lost device gets zero force and stays off.
-TEST(Safety, LostDeviceStaysOff) {
+// A device that does not answer gets zero force.
+TEST(Safety, LostDeviceGetsNoForce) {
   Safety safety = started();
   after(safety, input_with({0, 0, 2}), 100);
   SafetyInput unanswered = input_with({0, 0, 2});
@@ -195,8 +195,77 @@ TEST(Safety, LostDeviceStaysOff) {
   EXPECT_FALSE(safety.is_lost);
   EXPECT_EQ(norm(after(safety, unanswered, 5).force), 0);
   EXPECT_TRUE(safety.is_lost);
-  EXPECT_EQ(norm(after(safety, input_with({0, 0, 2}), 1000).force), 0);
+  EXPECT_EQ(norm(after(safety, unanswered, 1000).force), 0);
+  EXPECT_TRUE(safety.is_lost);
   EXPECT_GT(safety.counts.lost, 1000u);
+  // answers with gaps are none
+  for (int i = 0; i < 1000; i++) make_safe(safety, i % 20 ? input_with({}) : unanswered, kTick);
+  EXPECT_TRUE(safety.is_lost);
+}
+
+/// A safety stage whose device was lost while it rendered 2 N.
+Safety lost(SafetyParams params = {}) {
+  Safety safety = started(params);
+  after(safety, input_with({0, 0, 2}), 100);
+  SafetyInput unanswered = input_with({0, 0, 2});
+  unanswered.answered = false;
+  after(safety, unanswered, 200);
+  EXPECT_TRUE(safety.is_lost);
+  return safety;
+}
+
+// A lost device returns after 50 ms of answers. If its hand is deep inside a body by then, there is no force
+// until it has left the body, whether its motion counts as a jump or not. Then the force rises over the ramp.
+TEST(Safety, ReturnedDeviceStartsSoftly) {
+  for (const double moved : {0.0, 0.02, 0.2}) {  // [m]
+    Safety safety = lost();
+    safety.params.ramp = 1;
+    SafetyInput inside = input_with({0, 0, 9});
+    inside.hand.pose.position.z = -moved;
+    EXPECT_EQ(norm(after(safety, inside, 45).force), 0);
+    EXPECT_TRUE(safety.is_lost);
+    EXPECT_EQ(norm(after(safety, inside, 10).force), 0);
+    EXPECT_FALSE(safety.is_lost);
+    EXPECT_EQ(norm(after(safety, inside, 5000).force), 0);
+    SafetyInput outside = inside;
+    outside.wanted = {};
+    EXPECT_EQ(norm(after(safety, outside, safety.params.calm_ticks).force), 0);
+    double before = 0;
+    for (int n = 1; n <= 1000; n++) {
+      const double force = after(safety, inside, 1).force.z;
+      EXPECT_NEAR(force, 9 * 1e-3 * n, 1e-9);
+      EXPECT_LE(force - before, 10 * kTick / 0.005);
+      before = force;
+    }
+    EXPECT_EQ(safety.start, SoftStart::kFull);
+  }
+}
+
+// The ramp lasts as long in a slow loop, and a tick changes the force by the same fraction of the limit.
+TEST(Safety, SlowLoopKeepsTimesAndSteps) {
+  constexpr double kSlow = 0.01;
+  Safety safety = make_safety(kArm, {}, kSlow);
+  const auto ticks = [&](double force, int count) {
+    SafeOutput out;
+    for (int n = 0; n < count; n++) out = make_safe(safety, input_with({0, 0, force}), kSlow);
+    return out.value().force.z;
+  };
+  ticks(0, safety.params.calm_ticks);
+  EXPECT_NEAR(ticks(3, 50), 1.5, 1e-9);
+  EXPECT_NEAR(ticks(3, 49), 2.97, 1e-9);
+  EXPECT_NE(safety.start, SoftStart::kFull);
+  EXPECT_NEAR(ticks(3, 1), 3, 1e-9);
+  EXPECT_EQ(safety.start, SoftStart::kFull);
+  ticks(0, 50);
+  EXPECT_NEAR(ticks(9, 1), 2, 1e-9) << "a fifth of the limit, as at 1 kHz";
+  EXPECT_NEAR(make_safe(safety, input_with({0, 0, 9}), 10).value().force.z, 6, 1e-9) << "two periods at most";
+}
+
+// The damping that a device renders follows from the period of the loop, not from its design rate.
+TEST(Safety, DampingFollowsPeriodOfLoop) {
+  const DeviceSpec fast{.force = 12, .mass = 0.01, .rate = 4000};
+  EXPECT_NEAR(make_safety(fast, {}, 1e-3).params.passivity.damping, 5, 1e-12);  // m / 2T
+  EXPECT_NEAR(make_safety(fast, {}).params.passivity.damping, 10, 1e-12);       // the user's
 }
 
 // Single missed answers do not count as a lost device.

@@ -20,6 +20,7 @@ struct StillDevice : Device {
     largest = std::max(largest.load(), force);
     last = force;
     exchanges++;
+    std::this_thread::sleep_for(std::chrono::milliseconds(stall_ms.exchange(0)));
     if (pacing_ == Pacing::kDevice) std::this_thread::sleep_for(std::chrono::microseconds(period_us));
     if (unplugged) return false;
     input = {};
@@ -52,7 +53,7 @@ struct StillDevice : Device {
 
   std::atomic<double> z = 0, largest = 0, last = 0;
   std::atomic<std::uint32_t> buttons = 0;
-  std::atomic<int> exchanges = 0, period_us = 1000;
+  std::atomic<int> exchanges = 0, period_us = 1000, stall_ms = 0;  // stall_ms: of one exchange
   std::atomic<bool> unplugged = false, closed = false;
 
  private:

@@ -15,7 +15,7 @@ namespace turgor::haptics {
 /// State of a device at one time. Its frame: right-handed, origin in the middle of its workspace, x to the
 /// right, y away from the user, z up.
 struct DeviceInput {
-  contact::Pose pose;         // of the grip [m]
+  contact::Pose pose;         // of the grip, whose y axis is that of its tip [m]
   Vec3d velocity;             // of its origin [m/s]
   Vec3d angular_velocity;     // [rad/s]
   double grip = 0;            // closing of its gripper: 0 open, 1 closed
@@ -39,7 +39,8 @@ struct DeviceSpec {
   double stiffness = 0;                 // largest that feels rigid [N/m]
   double damping = 0;                   // [N·s/m]
   double mass = 0;                      // at the grip; 0 = unknown [kg]
-  bool has_orientation = false, has_grip = false;
+  bool has_orientation = false;         // false: the axes of every pose are those of the device's frame
+  bool has_grip = false;
   double rate = 1000;  // design rate [Hz]
 };
 

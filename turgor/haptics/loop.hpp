@@ -6,9 +6,12 @@
 // Several devices share one tick: two hands feel the same body at the same time. Timing source:
 //   all devices return at once (Pacing::kLoop)   the loop's own clock
 //   one waits for its own tick (kDevice)         that device, on the loop's thread
-//   one calls from its own thread (kCallback)    that thread runs the ticks; the loop has no thread.
-//                                                Of several such devices the first one runs them. The others
-//                                                exchange hand and force through a mailbox.
+//   one calls from its own thread (kCallback)    that thread runs the ticks. Of several such devices the
+//                                                first one runs them. The others exchange hand and force
+//                                                through a mailbox. While the first one does not call, the
+//                                                loop's own clock runs the ticks.
+//
+// A lost device gets zero force, and the ticks go on. When it answers again, its force starts softly.
 #pragma once
 
 #include <memory>
@@ -42,10 +45,14 @@ struct Hand {
 };
 
 struct LoopParams {
-  double rate = 1000;       // of a loop with its own clock [Hz]
+  double rate = 1000;       // of a loop with its own clock: see loop_rate [Hz]
   int priority = 80;        // of SCHED_FIFO, where the system allows it; 0 = normal scheduling
   bool lock_memory = true;  // locks memory pages, where the system allows it
 };
+
+/// Rate of the loop with these devices [Hz]: that of the first device that calls, else of the slowest device
+/// that keeps its own time, else `requested`.
+double loop_rate(std::span<const Hand> hands, double requested);
 
 /// State of one hand at the end of a tick.
 struct HandStatus {
@@ -71,16 +78,21 @@ class Loop {
 
   /// Fades forces within a few ticks, ends the thread and closes the devices. Repeated calls have no effect.
   void stop() noexcept;
-  /// False when the loop was stopped, when every device is lost, or when the model threw an exception.
+  /// False when the loop was stopped, or when the model threw an exception. A loop whose devices are lost
+  /// runs.
   bool running() const;
 
   /// Newest status of a hand, for one reader thread.
   const HandStatus& status(std::size_t hand);
   /// Updated four times a second and at the end; for one reader thread.
   const TimingReport& report();
-  /// Notes on refused system settings and on lost devices with the reason, a sentence each. Not for the
-  /// haptic thread.
-  std::vector<std::string> notes() const;
+  /// Devices that were lost or that returned since the last call, and a failure of the model, a sentence
+  /// each. For one thread, not the haptic one. The reason of a loss is known only to a call before the
+  /// return.
+  std::vector<std::string> news();
+  /// Notes on refused system settings and on lost devices with the reason, a sentence each. For the thread of
+  /// news().
+  std::vector<std::string> notes();
 
  private:
   struct Thread;

@@ -120,33 +120,44 @@ DeviceOutput saturation_link(Safety& safety, const DeviceOutput& wanted) {
   return is_finite(out) ? out : DeviceOutput{};
 }
 
-/// True while the device is lost. A stalled loop counts for at most a fifth of the time limit, so that the
-/// device gets five exchanges.
+/// True while the device is lost. A device that answers again for some time returns. Its hand may be deep
+/// inside a body by then, so its force starts softly. A stalled loop counts for at most a fifth of the time
+/// limits, so that the device gets five exchanges.
 bool lost_link(Safety& safety, const SafetyInput& input, double dt) {
-  const double waited = dt > 0 ? std::min(dt, safety.params.lost / 5) : 0;
-  safety.unanswered_time = input.answered ? 0 : safety.unanswered_time + waited;
-  safety.is_lost = safety.is_lost || safety.unanswered_time > safety.params.lost;
+  const SafetyParams& p = safety.params;
+  const auto passed = [dt](double limit) { return dt > 0 ? std::min(dt, limit / 5) : 0; };
+  safety.unanswered_time = input.answered ? 0 : safety.unanswered_time + passed(p.lost);
+  safety.answered_time = input.answered ? safety.answered_time + passed(p.returned) : 0;
+  const bool was_lost = safety.is_lost;
+  safety.is_lost = was_lost ? safety.answered_time <= p.returned : safety.unanswered_time > p.lost;
   safety.counts.lost += safety.is_lost;
-  return safety.is_lost;
+  if (was_lost || safety.is_lost) restart_soft_start(safety);
+  return was_lost || safety.is_lost;
 }
 
 }  // namespace
 
-Safety make_safety(const DeviceSpec& spec, const SafetyParams& params) {
+Safety make_safety(const DeviceSpec& spec, const SafetyParams& params, double period) {
+  TURGOR_CHECK(period > 0, "a loop has a period");
   // limits of user and device
-  Safety safety{.params = params};
+  Safety safety{.params = params, .period = period};
   SafetyParams& p = safety.params;
   p.force = smaller_limit(p.force, spec.force);
   p.torque = smaller_limit(p.torque, spec.torque);
   p.grip_force = smaller_limit(p.grip_force, spec.grip_force);
   if (!(p.rise >= SafetyParams::kSteepest)) p.rise = SafetyParams::kSteepest;
+  p.rise *= std::max(1.0, period / SafetyParams::kSteepest);  // a tick takes the same fraction of the limit
   // damping that the device renders
-  TURGOR_CHECK(spec.rate > 0, "a device has a rate");
-  const double most = largest_damping(spec, 1 / spec.rate);
+  const double most = largest_damping(spec, period);
   p.passivity.damping = std::min(p.passivity.damping, most);
   p.silent_damping = std::min(p.silent_damping, most);
   if (p.torque == 0) p.passivity.angular_damping = 0;
   return safety;
+}
+
+Safety make_safety(const DeviceSpec& spec, const SafetyParams& params) {
+  TURGOR_CHECK(spec.rate > 0, "a device has a rate");
+  return make_safety(spec, params, 1 / spec.rate);
 }
 
 void restart_soft_start(Safety& safety) {
@@ -156,8 +167,7 @@ void restart_soft_start(Safety& safety) {
 }
 
 SafeOutput make_safe(Safety& safety, const SafetyInput& input, double dt) {
-  constexpr double kLongest = 0.002;  // of a late tick [s]
-  const double elapsed = dt > 0 ? std::min(dt, kLongest) : 0;
+  const double elapsed = dt > 0 ? std::min(dt, 2 * safety.period) : 0;
   // plausible velocities, jump, energy of the last tick
   safety.counts.ticks++;
   SafetyInput tick = input;

@@ -8,7 +8,8 @@
 //   passivity     passivity.hpp
 //   slew          change from tick to tick at most the limit times dt / rise
 //   saturation    the vector, not its components, to the smaller limit of user and device
-//   lost          the device does not answer: no force until it is opened again
+//   lost          the device does not answer: no force until it has answered again for `returned`, then a
+//                 soft start
 //
 // Silence acts before slew, so that a model that stops answering causes no jump. Only this chain makes a
 // SafeOutput, and the loop sends nothing else to a device.
@@ -22,7 +23,8 @@ namespace turgor::haptics {
 
 struct SafetyParams {
   double force = 10, torque = 0.5, grip_force = 8;  // the user's limits [N] [N·m] [N]
-  double rise = 0.005;  // shortest time from zero to the limit; at least kSteepest [s]
+  double rise = 0.005;  // shortest time from zero to the limit; at least kSteepest, and longer in proportion
+                        // if the loop is slower than 1 kHz [s]
   static constexpr double kSteepest = 0.001;
 
   double small_force = 0.2,
@@ -38,7 +40,8 @@ struct SafetyParams {
   double silent_damping = 5, silent_angular_damping = 0.02;  // rendered instead [N·s/m] [N·m·s/rad]
   double silent_hold = 0.5, silent_fade = 0.5;  // duration of that damping, then of its fading [s]
 
-  double lost = 0.05;  // time without an answer after which the device counts as lost [s]
+  double lost = 0.05;      // time without an answer after which the device counts as lost [s]
+  double returned = 0.05;  // time with answers after which a lost device returns [s]
 };
 
 /// Numbers of ticks in which each link changed the output.
@@ -52,13 +55,15 @@ enum class SoftStart : std::uint8_t { kWaiting, kRamping, kFull };
 
 /// Safety state of one device.
 struct Safety {
-  SafetyParams params;  // bounded by the device
+  SafetyParams params;    // bounded by the device
+  double period = 0.001;  // of the loop [s]
   SafetyCounts counts;
   SoftStart start = SoftStart::kWaiting;
   int calm = 0;                // ticks with a small force while waiting
   double gain = 0;             // of the ramp: 0 … 1
   double silent_time = 0;      // beyond params.silence [s]
   double unanswered_time = 0;  // since the device's last answer [s]
+  double answered_time = 0;    // without a missed answer [s]
   bool is_lost = false;
   Passivity passivity;
 };
@@ -83,7 +88,10 @@ struct SafetyInput {
   bool answered = true;  // whether the device answered in this tick
 };
 
-/// Initial state without force. The limits are the smaller ones of `params` and the device.
+/// Initial state without force, for a loop with this period [s]. The limits are the smaller ones of `params`
+/// and the device.
+Safety make_safety(const DeviceSpec& spec, const SafetyParams& params, double period);
+/// The same for a loop at the device's design rate.
 Safety make_safety(const DeviceSpec& spec, const SafetyParams& params);
 
 /// Output for the coming tick. `dt` [s] is the time since the last tick; a late tick counts as two periods at

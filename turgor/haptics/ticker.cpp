@@ -15,27 +15,31 @@ using contact::ToolReading;
 
 /// Reads the hand from its mailbox. False when the device has not called for some time.
 bool read_mailbox(RunningHand& hand, double now) {
-  constexpr double kStale = 0.02;  // [s]
   hand.input = hand.mailbox.hand.read();
   return now - hand.mailbox.called_at < kStale;
 }
 
 void read_hand(Ticker& ticker, RunningHand& hand) {
   const double begin = steady_seconds();
-  if (ticker.ticks > 0 && !hand.calls()) ticker.record.latency.add(begin - hand.read);
+  if (ticker.ticks > 0 && !hand.calls() && !hand.safety.is_lost) ticker.record.latency.add(begin - hand.read);
   const bool answered =
       hand.calls() ? read_mailbox(hand, begin) : hand.hand.device->exchange(hand.output.value(), hand.input);
   hand.answered = answered && contact::is_valid(hand.input.pose);
   hand.read = steady_seconds();
+  // a lost device whose calls take longer than a tick delays the other hands by 1 % at most
+  constexpr double kRetry = 100;  // pause, as a multiple of the time of the call
+  const double taken = hand.read - begin;
+  if (hand.safety.is_lost && !hand.answered && taken * ticker.rate > 1)
+    hand.retry_at = hand.read + kRetry * taken;
 }
 
 /// Command for the model's tool, at the proxy's pose if there is a coupling. `last`: the model's reading of
 /// the last tick.
 ToolCommand tool_command(RunningHand& hand, const ToolReading& last, double dt) {
   ToolCommand out = command(hand.hand.workspace, hand.hand.buttons, hand.clutch, hand.input);
-  constexpr double kLongest = 0.002;  // of a late tick [s]
   if (!hand.hand.coupling) return out;
-  advance_coupled_tool(*hand.hand.coupling, out.pose, last, std::min(dt, kLongest), hand.tool);
+  const double longest = 2 * hand.safety.period;  // of a late tick [s]
+  advance_coupled_tool(*hand.hand.coupling, out.pose, last, std::min(dt, longest), hand.tool);
   out.pose = hand.tool.pose;
   return out;
 }
@@ -46,8 +50,10 @@ void read_hands(Ticker& ticker, double dt) {
   for (std::size_t h = 0; h < ticker.hands.size(); h++) {
     RunningHand& hand = *ticker.hands[h];
     hand.answered = false;
-    if (!hand.safety.is_lost) read_hand(ticker, hand);
+    if (!hand.safety.is_lost || steady_seconds() >= hand.retry_at) read_hand(ticker, hand);
     if (hand.answered) ticker.commands[h] = tool_command(hand, ticker.readings[h], dt);
+    // the proxy of a lost device starts at the hand when it returns, and is not pulled through the body
+    if (!hand.answered && hand.safety.is_lost) hand.tool = {};
   }
 }
 
@@ -87,7 +93,17 @@ void record_jumps(TimingRecord& record, RunningHand& hand, Vec3d model_force, co
   record.torque_jump = std::max(record.torque_jump, norm(now.torque - before.torque));
 }
 
+/// Zero force at once to a device that is lost, in case it still receives. Counts losses for other threads.
+void note_loss(RunningHand& hand) {
+  const bool was_lost = hand.lost.exchange(hand.safety.is_lost);
+  if (was_lost || !hand.safety.is_lost) return;
+  hand.losses++;
+  if (!hand.calls()) hand.hand.device->exchange(SafeOutput().value(), hand.input);
+}
+
 void compute_output(Ticker& ticker, RunningHand& hand, const ToolReading& reading, double dt) {
+  // the mailbox sent no force while the ticks stood still
+  if (hand.calls() && !hand.is_pacer && dt > kStale) hand.safety.passivity.held_output = {};
   // safety chain
   const SafetyInput input{.hand = hand.input,
                           .wanted = desired_output(hand, reading),
@@ -98,9 +114,7 @@ void compute_output(Ticker& ticker, RunningHand& hand, const ToolReading& readin
   // statistics
   record_jumps(ticker.record, hand, input.wanted.force, before.value());
   if (std::isfinite(reading.age)) ticker.record.age.add(reading.age);
-  if (hand.safety.is_lost && !hand.lost.exchange(true) && !hand.calls())
-    hand.hand.device->exchange(SafeOutput().value(),
-                               hand.input);  // zero force, in case the device still receives
+  note_loss(hand);
   // mailbox of a device that calls
   if (hand.calls()) hand.mailbox.output.write({hand.output, hand.read});
 }
@@ -146,13 +160,12 @@ bool run_tick(Ticker& ticker) {
   read_hands(ticker, dt);
   const double hands_read = steady_seconds();
   call_model(ticker, dt);
-  bool has_force = false, is_connected = false;
+  bool has_force = false;
   for (std::size_t h = 0; h < ticker.hands.size(); h++) {
     RunningHand& hand = *ticker.hands[h];
     compute_output(ticker, hand, ticker.readings[h], dt);
     publish(ticker, hand, h);
     has_force = has_force || !is_zero(hand.output.value());
-    is_connected = is_connected || !hand.safety.is_lost;
   }
   ticker.ticks++;
 
@@ -162,7 +175,7 @@ bool run_tick(Ticker& ticker) {
   if (ticker.is_device_paced) ticker.record.latency.add(end - begin);
   constexpr double kBetweenReports = 0.25;  // [s]
   if (end - ticker.reported > kBetweenReports) publish_report(ticker, end);
-  return is_connected && (has_force || !(ticker.stopping || ticker.threw));
+  return has_force || !(ticker.stopping || ticker.threw);
 }
 
 void send_zero_forces(Ticker& ticker) {

@@ -23,6 +23,13 @@ struct Mailbox {
   std::atomic<double> called_at = 0;  // time of its last call [s]
 };
 
+/// Loss of a device as its user has been told of it. Owned by the thread of Loop::news.
+struct Loss {
+  bool is_lost = false;
+  int count = 0;                // number of losses, as that of the haptic thread
+  std::string reason, remarks;  // of the device, before it was closed
+};
+
 /// Run-time state of a hand.
 struct RunningHand {
   Hand hand;
@@ -34,7 +41,11 @@ struct RunningHand {
   bool answered = false;  // in this tick
   double read = 0;        // time of the last reading [s]
   Vec3d model_force;      // of the last tick [N]
+  double retry_at = 0;    // earliest time of the next exchange with a lost device [s]
+  bool is_pacer = false;  // its device calls and thereby keeps the time
   std::atomic<bool> lost = false;
+  std::atomic<int> losses = 0;
+  Loss loss;
   latest<HandStatus> status;
   Mailbox mailbox;
 
@@ -55,6 +66,9 @@ struct Ticker {
   latest<TimingReport> report;
   std::atomic<bool> stopping = false, threw = false;
 };
+
+/// Time after which the output for a device that calls is not sent [s].
+constexpr double kStale = 0.02;
 
 /// Runs a tick of all hands. False when no more ticks are needed, because no force is left and none will
 /// come.

@@ -12,13 +12,20 @@ namespace turgor::haptics {
 struct Workspace {
   Vec3d origin;            // of the device's frame, in the world [m]
   Mat3d axes;              // of the device's frame in the world: right, away from the user, up
+  Mat3d tool_axes;         // axes of the tool in the grip's frame: see kToolInGrip
   double scale = 1;        // meters of the world a meter of the device
   double force_scale = 1;  // newtons of the device a newton of the world
 };
 
+/// Axes of a tool in the grip's frame, of a tool that points where the grip points. A grip points along its y
+/// axis. A tool points along its −z axis: the shaft of a needle lies along +z.
+inline constexpr Mat3d kToolInGrip{{Vec3d{1, 0, 0}, Vec3d{0, 0, 1}, Vec3d{0, -1, 0}}};
+
+/// Pose of the tool in the world, for the pose of a grip.
 inline contact::Pose to_world(const Workspace& workspace, const contact::Pose& pose) {
   TURGOR_CHECK(workspace.scale > 0, "the scale of a workspace is positive");
-  return {workspace.origin + workspace.axes * (pose.position * workspace.scale), workspace.axes * pose.axes};
+  return {workspace.origin + workspace.axes * (pose.position * workspace.scale),
+          workspace.axes * (pose.axes * workspace.tool_axes)};
 }
 
 /// Output to the device for a reading, in the device's frame.

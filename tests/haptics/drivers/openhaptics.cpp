@@ -1,5 +1,6 @@
 #include "turgor/haptics/drivers/openhaptics.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "tests/haptics/drivers/fake_library.hpp"
 #include "tests/haptics/fakes/fake_hd.hpp"
 #include "tests/refused.hpp"
+#include "turgor/haptics/loop.hpp"
 
 namespace turgor::haptics {
 namespace {
@@ -148,6 +150,34 @@ TEST_F(HdArm, FaultStopsForcesAndTicks) {
   const int ticks = haptic.ticks;
   wait(5);
   EXPECT_EQ(haptic.ticks, ticks);
+}
+
+// The haptic loop reports a fault with its reason, at once and after its end, and the ticks go on without
+// calls.
+TEST_F(HdArm, FaultIsReportedByLoop) {
+  ASSERT_TRUE(open());
+  std::atomic<int> ticks = 0;
+  const auto count = [](void* context, std::span<const contact::ToolCommand>, double,
+                        std::span<contact::ToolReading>) { ++*static_cast<std::atomic<int>*>(context); };
+  auto loop = Loop::start({{.device = device.get()}}, count, &ticks, {.priority = 0, .lock_memory = false});
+  ASSERT_TRUE(loop) << loop.error().message;
+  wait(20);
+  EXPECT_TRUE((*loop)->news().empty());
+  arm.next_error = 0x302;
+  std::vector<std::string> news;
+  for (int n = 0; n < 5000 && news.empty(); n++) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    news = (*loop)->news();
+  }
+  ASSERT_EQ(news.size(), 1u);
+  EXPECT_NE(news[0].find("(HD error 0x302); its forces are off"), std::string::npos) << news[0];
+  const int before = ticks;
+  for (int n = 0; n < 5000 && ticks < before + 20; n++)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_GE(ticks, before + 20);
+  (*loop)->stop();
+  ASSERT_EQ((*loop)->notes().size(), 1u);
+  EXPECT_NE((*loop)->notes()[0].find("(HD error 0x302)"), std::string::npos) << (*loop)->notes()[0];
 }
 
 // A tick with implausible input is skipped and sends zero force.

@@ -77,6 +77,7 @@ Result<PoseRow> row_of(const std::vector<double>& values, const ColumnIndices& c
   PoseRow row{.time = value(kTime, 0),
               .position = {value(kX, 0), value(kY, 0), value(kZ, 0)},
               .orientation = {value(kQw, 1), value(kQx, 0), value(kQy, 0), value(kQz, 0)},
+              .has_orientation = columns[kQw] >= 0,
               .grip = value(kGrip, 0)};
   const double buttons = value(kButtons, 0);
   if (const std::string fault = fault_of(row, before, buttons); !fault.empty()) return Error{fault};
@@ -154,7 +155,7 @@ Status Replay::open() {
            .grip_force = kAny,
            .stiffness = kAny,
            .damping = kAny,
-           .has_orientation = true,
+           .has_orientation = rows_.front().has_orientation,
            .has_grip = true};
   for (const PoseRow& row : rows_) {
     spec_.workspace_low = min(spec_.workspace_low, row.position);

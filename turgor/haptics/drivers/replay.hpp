@@ -15,6 +15,7 @@ struct PoseRow {
   double time = 0;                     // [s]
   Vec3d position;                      // in the device's frame [m]
   Quaternion orientation{1, 0, 0, 0};  // unit
+  bool has_orientation = false;        // false: the file has none
   double grip = 0;                     // 0 open, 1 closed
   std::uint32_t buttons = 0;           // a bit each
 };
