@@ -121,6 +121,7 @@ Result<Simulated> simulate_into(FolderRun& run, const Timer& total, std::optiona
   events.frame = run.callbacks.frame;
   if (run.live)
     events.frame = [&run](const World& world) {
+      for (const std::string& sentence : run.live->touch->news()) tell(run.callbacks, sentence);
       run.live->touch->record_frame_inputs();
       run.live->touch->wait_for_frame();
       return !run.callbacks.frame || run.callbacks.frame(world);

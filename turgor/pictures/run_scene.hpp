@@ -32,7 +32,7 @@ struct RunOptions {
 /// Callbacks of a run; any may be empty.
 struct RunCallbacks {
   BeginWork begin;                                       // before a long task: a progress bar and a sentence
-  std::function<void(const std::string&)> note;          // remarks about foreign files in the folder
+  std::function<void(const std::string&)> note;          // about foreign files in the folder, or lost devices
   std::function<bool(const World&)> frame;               // after every frame; false ends the run
   std::function<Status(const WorldSnapshot&)> snapshot;  // current snapshot; an error ends the run
 };

@@ -60,6 +60,9 @@ int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double 
   return answer();
 }
 int dhdGetPositionAndOrientationFrame(double* x, double* y, double* z, double m[3][3], char) {
+  const int moved = arm.readings++ - arm.readings_at_rest;
+  for (int i = 0; i < 3 && moved >= 0 && moved < arm.readings_of_approach; i++)
+    arm.position[i] += arm.approach[i];
   for (int i = 0; i < 3; i++) std::copy_n(arm.frame[i], 3, m[i]);
   return give(arm.position, x, y, z);
 }

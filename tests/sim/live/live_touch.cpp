@@ -164,7 +164,8 @@ TEST(LiveTouch, LongRecordingIsOnDisk) {
     ASSERT_EQ(stored.size(), ticks.size());
     for (std::size_t n = 0; n < ticks.size(); n++) {
       ASSERT_EQ(samples[n].time, ticks[n].time);
-      ASSERT_NEAR(ticks[n].time, 1e-3 * double(n + 1), 1e-9);
+      ASSERT_NEAR(ticks[n].time, 1e-3 * std::round(1e3 * ticks[n].time), 1e-9);
+      ASSERT_GE(ticks[n].time, (n > 0 ? ticks[n - 1].time : 0) + 0.999e-3) << "missed ticks leave gaps";
       ASSERT_EQ(samples[n].position, ticks[n].command.pose.position);
       ASSERT_EQ(stored[n].time, ticks[n].time);
       ASSERT_EQ(stored[n].command.pose.position, ticks[n].command.pose.position);

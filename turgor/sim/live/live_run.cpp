@@ -32,19 +32,44 @@ Box box_of(const TouchingTool& tool) {
   return box_around(positions);
 }
 
-/// Limits of a device for the hand that holds it. The virtual coupling renders at most its stiffness; its
+/// The smaller one of two limits, of which 0 is unknown.
+double smaller_known(double a, double b) { return a > 0 && b > 0 ? std::min(a, b) : std::max(a, b); }
+
+/// Limits for the hand that holds a device. The virtual coupling renders at most the device's stiffness; its
 /// damping stays as far below the critical one, 2 √(K m), as that of the default coupling.
+void limit_hand(double force, double stiffness, double damping, haptics::Hand& hand) {
+  TURGOR_CHECK(force > 0 && stiffness > 0, "a device has a largest force and a stiffness");
+  hand.safety.force = force;
+  haptics::Coupling coupling;
+  coupling.damping *= std::sqrt(stiffness / coupling.stiffness);
+  if (damping > 0) coupling.damping = std::min(coupling.damping, damping);
+  coupling.stiffness = stiffness;
+  hand.coupling = coupling;
+}
+
+/// Limits of the device that the scene names, for a simulated hand.
 void apply_limits(const haptics::DevicePreset& device, haptics::VirtualArm& arm, haptics::Hand& hand) {
-  arm.force = hand.safety.force = device.force;
+  limit_hand(device.force, device.stiffness, device.damping, hand);
+  arm.force = device.force;
   if (device.radius > 0) {
     arm.workspace_high = {device.radius, device.radius, device.radius};
     arm.workspace_low = -arm.workspace_high;
   }
-  haptics::Coupling coupling;
-  coupling.damping *= std::sqrt(device.stiffness / coupling.stiffness);
-  if (device.damping > 0) coupling.damping = std::min(coupling.damping, device.damping);
-  coupling.stiffness = device.stiffness;
-  hand.coupling = coupling;
+}
+
+/// The same for a physical device: of both, the smaller limits apply. Returns a note if they differ. A replay
+/// renders no force and has no limits.
+std::string apply_limits(const haptics::DevicePreset& named, const haptics::DeviceSpec& device,
+                         haptics::Hand& hand) {
+  if (!std::isfinite(device.force)) return {};
+  limit_hand(smaller_known(named.force, device.force), smaller_known(named.stiffness, device.stiffness),
+             smaller_known(named.damping, device.damping), hand);
+  if (device.force == named.force && (device.stiffness == named.stiffness || device.stiffness == 0))
+    return {};
+  return fmt::format(
+      "the scene names a {} ({:g} N, {:g} N/m), and the device is a {} ({:g} N, {:g} N/m): the smaller "
+      "limits apply",
+      named.title, named.force, named.stiffness, device.name, device.force, device.stiffness);
 }
 
 /// Virtual device whose workspace contains the tool's path, with a margin for deflections of the hand, or
@@ -70,18 +95,26 @@ std::unique_ptr<haptics::Device> virtual_hand(const TouchingTool& tool, const ha
                                                   haptics::VirtualTime::kClock);
 }
 
-/// Opens the selected device. A physical device has the center of its workspace at the start of the tool's
-/// path.
-Result<std::unique_ptr<haptics::Device>> open_hand(const TouchingTool& tool, const LiveOptions& options,
-                                                   haptics::Hand& hand) {
-  if (options.device != "virtual") {
-    hand.workspace.origin = command_at(tool, 0).pose.position;
-    return haptics::open_device(options.device, options.driver);
-  }
-  std::unique_ptr<haptics::Device> device =
-      virtual_hand(tool, haptics::find_device_preset(options.limits), hand);
-  if (const Status status = device->open(); !status) return status.error();
-  return device;
+/// Opens a physical device. The center of its workspace is at the start of the tool's path. The tool points
+/// where the grip points. Without an orientation it keeps the axes with which its path starts.
+Status open_driver(const TouchingTool& tool, const LiveOptions& options, haptics::Hand& hand, LiveRun& live) {
+  Result<std::unique_ptr<haptics::Device>> device = haptics::open_device(options.device, options.driver);
+  if (!device) return device.error();
+  live.device = std::move(*device);
+  const haptics::DeviceSpec& spec = live.device->spec();
+  const contact::Pose start = command_at(tool, 0).pose;
+  hand.workspace.origin = start.position;
+  hand.workspace.tool_axes = spec.has_orientation ? haptics::kToolInGrip : start.axes;
+  if (const haptics::DevicePreset* named = haptics::find_device_preset(options.limits))
+    if (const std::string note = apply_limits(*named, spec, hand); !note.empty()) live.notes.push_back(note);
+  return Done{};
+}
+
+/// Opens the selected device.
+Status open_hand(const TouchingTool& tool, const LiveOptions& options, haptics::Hand& hand, LiveRun& live) {
+  if (options.device != "virtual") return open_driver(tool, options, hand, live);
+  live.device = virtual_hand(tool, haptics::find_device_preset(options.limits), hand);
+  return live.device->open();
 }
 
 }  // namespace
@@ -94,9 +127,8 @@ Result<LiveRun> start_live(World& world, const LiveOptions& options, double dura
   LiveRun live;
   live.tool = world.tools[std::size_t(*tool)].name;
   haptics::Hand hand;
-  Result<std::unique_ptr<haptics::Device>> device = open_hand(world.tools[std::size_t(*tool)], options, hand);
-  if (!device) return device.error();
-  live.device = std::move(*device);
+  if (const Status opened = open_hand(world.tools[std::size_t(*tool)], options, hand, live); !opened)
+    return opened.error();
 
   // tool
   std::vector<HeldTool> held(1);

@@ -16,8 +16,8 @@ struct LiveOptions {
   std::string device = "virtual";
   haptics::DeviceOptions driver;  // options of physical devices
   std::string tool;               // name of the tool in the device; empty: the first tool
-  std::string limits;             // preset of haptics/device_presets.hpp for the virtual device; empty: none
-  double rate = 1000;             // rate of the haptic loop [Hz]
+  std::string limits;             // preset of haptics/device_presets.hpp that limits the device; empty: none
+  double rate = 1000;             // rate of the haptic loop; see haptics::loop_rate [Hz]
   double longest = 0;  // limit of the recorded time; 0: twice the scene's duration plus one minute [s]
 };
 
@@ -26,6 +26,7 @@ struct LiveRun {
   std::unique_ptr<haptics::Device> device;
   std::unique_ptr<LiveTouch> touch;
   std::string tool;
+  std::vector<std::string> notes;  // on the limits of the device
 };
 
 /// Opens the device and starts the ticks. `duration` is that of the scene [s]. Error: unknown tool or device,

@@ -17,7 +17,7 @@ double time_of(const LiveTicks& ticks) { return ticks.start_time + double(ticks.
 /// button is held.
 contact::ToolCommand command_of(const LiveTicks& ticks, const TickedTool& ticked, TouchingTool& tool,
                                 std::span<const contact::ToolCommand> hands) {
-  if (ticked.hand < 0 || (ticked.is_driven && !*ticked.is_driven)) return next_command(tool, time_of(ticks));
+  if (ticked.hand < 0 || (ticked.is_driven && !*ticked.is_driven)) return next_command(tool, ticks.path_time);
   TURGOR_CHECK(is_index(ticked.hand, hands.size()), "a held tool has a hand");
   contact::ToolCommand command = hands[std::size_t(ticked.hand)];
   if (!ticked.has_grip)
@@ -71,13 +71,36 @@ bool consume_tick(std::atomic<long>& allowed) {
   return false;
 }
 
-/// Advances simulated time by a tick; false while it is paused. A new pace restarts the count of ticks.
-bool advance_time(LiveTicks& ticks) {
+/// Number of periods that passed since the last tick, at least 1. Frames follow the clock, so the periods of
+/// missed ticks count too, unless the number of ticks is limited.
+long passed_periods(LiveTicks& ticks, double dt, bool is_limited) {
+  TURGOR_CHECK(dt >= 0 && ticks.period > 0, "a loop runs forwards");
+  ticks.unspent = is_limited ? ticks.period : std::max(ticks.unspent, -ticks.period) + dt;
+  const long passed = std::max(1L, long(ticks.unspent / ticks.period));
+  ticks.unspent -= double(passed) * ticks.period;
+  return passed;
+}
+
+/// Advances the time of paths. A tool on a path does not jump through tissue after missed ticks: until it is
+/// in time again, it moves at most twice as fast as its path, and at most kMost of its path per tick.
+void advance_paths(LiveTicks& ticks, long passed) {
+  constexpr double kMost = 0.01;  // [s]
+  TURGOR_CHECK(passed >= 1, "a tick takes at least a period");
+  const double most = std::max(2.0, std::min(2.0 * double(passed), kMost / ticks.period));  // [periods]
+  ticks.path_time = std::min(time_of(ticks), ticks.path_time + most * ticks.step);
+}
+
+/// Advances simulated time to the present tick; false while it is paused. A new pace restarts the count of
+/// periods.
+bool advance_time(LiveTicks& ticks, double dt) {
   const double step = ticks.period * ticks.pace;
   TURGOR_CHECK(step > 0, "a tick has a positive length");
+  const bool is_limited = ticks.allowed >= 0;
   if (ticks.is_paused || !consume_tick(ticks.allowed)) return false;
   if (step != ticks.step) ticks.start_time = time_of(ticks), ticks.done = 0, ticks.step = step;
-  ticks.done++;
+  const long passed = passed_periods(ticks, dt, is_limited);
+  ticks.done += passed;
+  advance_paths(ticks, passed);
   return true;
 }
 
@@ -152,7 +175,7 @@ void add_tool(int index, const std::vector<HeldTool>& held, RecordLimits limits,
 void prepare_ticks(World& world, const std::vector<HeldTool>& held, RecordLimits limits, LiveTicks& ticks) {
   // copy of the tools with bounded logs
   ticks.world = &world;
-  ticks.start_time = time_of(world);
+  ticks.start_time = ticks.path_time = time_of(world);
   ticks.tools = world.tools;
   for (TouchingTool& tool : ticks.tools) tool.samples.preallocate(limits.most, limits.in_memory);
 
@@ -179,11 +202,11 @@ void save_ticks(LiveTicks& ticks) {
   for (TickedTool& tool : ticks.order) tool.recorded.save();
 }
 
-void tick_all(void* context, std::span<const contact::ToolCommand> hands, double /*dt*/,
+void tick_all(void* context, std::span<const contact::ToolCommand> hands, double dt,
               std::span<contact::ToolReading> haptic) {
   LiveTicks& ticks = *static_cast<LiveTicks*>(context);
   for (contact::ToolReading& reading : haptic) reading = {};
-  if (advance_time(ticks))
+  if (advance_time(ticks, dt))
     tick_tools(ticks, hands, haptic);
   else
     repeat_readings(ticks, haptic);

@@ -38,7 +38,9 @@ struct LiveTicks {
   double period = kTick;                // tick period of the loop [s]
   double start_time = 0;                // simulated time at the latest change of pace [s]
   double step = kTick;                  // simulated time per tick [s]
-  long done = 0;                        // number of ticks since start_time
+  long done = 0;                        // number of periods since start_time, also of those without a tick
+  double unspent = 0;                   // wall-clock time that `done` has not counted yet [s]
+  double path_time = 0;                 // of tools on paths; below the simulated time after missed ticks [s]
   std::atomic<double> pace = 1;         // simulated seconds per second, requested by the frame thread
   std::atomic<long> allowed = -1;       // number of ticks that may still run; -1: unlimited
   std::atomic<bool> is_paused = false;  // true while the frame thread reads data of the haptic thread

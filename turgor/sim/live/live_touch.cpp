@@ -57,16 +57,16 @@ Result<std::unique_ptr<LiveTouch>> LiveTouch::start(World& world, const std::vec
 
   // ticks
   std::unique_ptr<Impl> impl(new Impl{world, {}, {}, FrameClock(world.dt), world.frame, 0, {}});
+  std::vector<haptics::Hand> hands;
+  for (const HeldTool& one : held) hands.push_back(one.hand);
   LiveTicks& ticks = impl->ticks;
-  ticks.period = ticks.step = 1 / params.loop.rate;
+  ticks.period = ticks.step = 1 / haptics::loop_rate(hands, params.loop.rate);
   const auto most = std::min(kMostTicks, std::size_t(std::ceil(params.longest / ticks.period)) + 1);
   impl->most = most;
   prepare_ticks(world, held, {most, params.in_memory}, ticks);
   impl->frames.resize(ticks.order.size());
 
   // haptic loop
-  std::vector<haptics::Hand> hands;
-  for (const HeldTool& one : held) hands.push_back(one.hand);
   Result<std::unique_ptr<haptics::Loop>> loop = haptics::Loop::start(hands, tick_all, &ticks, params.loop);
   if (!loop) {
     impl->end_bodies();
@@ -193,6 +193,8 @@ Result<HapticRecording> LiveTouch::haptic_recording() {
 const haptics::TimingReport& LiveTouch::timing() { return impl_->loop->report(); }
 
 FrameTiming LiveTouch::frames() const { return impl_->clock.timing(); }
+
+std::vector<std::string> LiveTouch::news() { return impl_->loop->news(); }
 
 std::vector<std::string> LiveTouch::notes() const {
   std::vector<std::string> notes = impl_->loop->notes();

@@ -80,6 +80,8 @@ class LiveTouch {
 
   const haptics::TimingReport& timing();
   FrameTiming frames() const;
+  /// haptics::Loop::news
+  std::vector<std::string> news();
   std::vector<std::string> notes() const;
 
  private:

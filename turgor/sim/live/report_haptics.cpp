@@ -113,12 +113,18 @@ const Quantity<H> kHaptics[] = {
      kInTable},
 };
 
+std::vector<std::string> notes_of(LiveRun& live) {
+  std::vector<std::string> notes = live.notes;
+  for (std::string& note : live.touch->notes()) notes.push_back(std::move(note));
+  return notes;
+}
+
 }  // namespace
 
 Json haptics_report(LiveRun& live) {
   const HapticsInput input{live.device->spec().name, live.tool, live.touch->timing(), live.touch->frames()};
   Json json = values_of(kHaptics, input);
-  json["notes"] = live.touch->notes();
+  json["notes"] = notes_of(live);
   return json;
 }
 
@@ -133,7 +139,7 @@ Section haptics_section() {
 std::vector<std::string> haptics_warnings(LiveRun& live) {
   const haptics::TimingReport timing = live.touch->timing();
   const FrameTiming frames = live.touch->frames();
-  std::vector<std::string> warnings = live.touch->notes();
+  std::vector<std::string> warnings = notes_of(live);
   constexpr double kMissedWarningFraction = 1e-3;
   if (missed_fraction(timing) > kMissedWarningFraction)
     warnings.push_back(fmt::format("the haptic loop missed {} of {} ticks: the machine is overloaded",

@@ -274,8 +274,9 @@ void read_device(SceneTable& tool, std::string& device) {
   std::vector<std::string> names;
   for (const haptics::DevicePreset& preset : haptics::device_presets()) names.emplace_back(preset.name);
   static const std::string meaning = fmt::format(
-      "haptic device whose limits of force, stiffness and workspace apply to the simulated hand of "
-      "`--real-time`, and which the report compares with the tool's forces: `\"{}\"`",
+      "haptic device whose limits of force and stiffness apply with `--real-time`, that of the workspace "
+      "only "
+      "to a simulated hand, and which the report compares with the tool's forces: `\"{}\"`",
       fmt::join(names, "\"`, `\""));
   tool.read_choice("device", device, names, {meaning.c_str(), "none"});
 }
