@@ -62,6 +62,13 @@ fs::path goal_of(const CommandOptions& options, const Json& report) {
       resolved_goal(options.out.empty() ? default_folder(scene, !options.replay.empty()) : options.out));
 }
 
+/// Refuses an option of one driver if another one is chosen, which would ignore it.
+void check_driver(const CLI::Option& option, const std::string& driver, const std::string& chosen) {
+  if (option.count() == 0 || chosen == driver) return;
+  throw Failure{2, fmt::format("run: {} is an option of --device {}: expected that device, found --device {}",
+                               option.get_name(), driver, on_one_line(chosen))};
+}
+
 void run(const Exec& exec, const CommandOptions& options) {
   RunOptions goal{.out = options.out,
                   .foreign = options.force ? Foreign::kRemove : Foreign::kRefuse,
@@ -111,7 +118,6 @@ void add_run_command(CLI::App& program, Global& global) {
   CLI::Option* check =
       command->add_flag("--check", options->check,
                         "Load the scene, step a few frames and print the cost of a run; writes no files");
-  check->excludes(command->get_option("--replay"));
   CLI::Option* resume =
       command->add_flag("--resume", options->resume,
                         "Continue an interrupted run of the same scene and folder from its latest autosave");
@@ -147,15 +153,19 @@ void add_run_command(CLI::App& program, Global& global) {
                    "be repeated")
       ->type_size(1)
       ->allow_extra_args(false);
+  for (const char* other : {"--replay", "--real-time", "--require"})
+    check->excludes(command->get_option(other));
   add_force_option(*command, options->force);
   command->add_flag("-q,--quiet", options->quiet, "Print no progress bar and no table");
   command->add_flag("--progress", options->tells_progress,
                     "Print progress lines for programs instead of a bar: simulating 0.42");
-  command->callback([options, &global] {
+  command->callback([options, file, address, &global] {
     if (options->scene.empty() == options->replay.empty())
       throw Failure{2, "run: expected either a scene or --replay FILE; see turgor run --help"};
     if (options->real_time && options->scene.empty())
       throw Failure{2, "run: --real-time needs a scene; a recording has no simulated bodies"};
+    check_driver(*file, "replay", options->live.device);
+    check_driver(*address, "inverse3", options->live.device);
     run(Exec(global.threads), *options);
   });
 }

@@ -145,7 +145,20 @@ std::string fewer_frames(const std::string& arguments, const fs::path& folder) {
   return std::string(" --set world.duration=1.05") + (has_rate ? "" : " --set world.frame_rate=5");
 }
 
-// Every run in the documents and scenes is accepted by --check.
+/// A run without the options of the haptic loop and the conditions on its report, which exclude --check.
+std::string without_report(const std::string& arguments) {
+  static const std::regex flag(" --real-time"),
+      valued(" --(device|tool|rate|device-file|device-address|require) (\"[^\"]*\"|[^ ]+)");
+  return std::regex_replace(std::regex_replace(arguments, valued, ""), flag, "");
+}
+
+/// The same run of a scene that does not exist.
+std::string of_missing_scene(const std::string& arguments) {
+  static const std::regex scene("^run [^ ]+");
+  return std::regex_replace(arguments, scene, "run nowhere.toml");
+}
+
+// Every run in the documents and scenes is accepted by --check, and the options that it excludes are read.
 TEST(Documents, EveryRunPassesCheck) {
   const fs::path folder = folder_of_a_reader();
   std::set<std::string> done;
@@ -153,7 +166,11 @@ TEST(Documents, EveryRunPassesCheck) {
     // a replay and an interrupted run are read instead of a scene
     const auto has = [&](const char* option) { return command.arguments.find(option) != std::string::npos; };
     if (!command.arguments.starts_with("run ") || has("--replay") || has("--resume")) continue;
-    const std::string arguments = with_inputs(command.arguments) + " --check";
+    const std::string given = with_inputs(command.arguments), arguments = without_report(given) + " --check";
+    if (given + " --check" != arguments) {
+      const Ended missing = run_program(of_missing_scene(given), folder);
+      EXPECT_NE(missing.printed.find("nowhere.toml"), std::string::npos) << command.where << missing.printed;
+    }
     static const std::regex folder_of_results("--out [^ ]+ ");  // a check writes none
     if (!done.insert(std::regex_replace(arguments, folder_of_results, "")).second) continue;
     const Ended ended = run_program(arguments + fewer_frames(arguments, folder), folder);

@@ -66,5 +66,22 @@ TEST(RealTime, RejectsUnknownNamesEarly) {
   }
 }
 
+// Options that the chosen device, or a check of the scene, would ignore are refused.
+TEST(RealTime, RejectsOptionsWithoutEffect) {
+  const fs::path folder = fresh_folder();
+  write(folder / "pad.toml", pressed_pad_text(1.5, 1));
+  write(folder / "poses.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n");
+  for (const auto& [what, named] : {std::pair{"--real-time --device-file poses.csv", "--device-file"},
+                                    {"--real-time --device dhd --device-file poses.csv", "--device dhd"},
+                                    {"--real-time --device-address host:1", "--device-address"},
+                                    {"--check --require 'timing.frames<5'", "--require"},
+                                    {"--check --real-time", "--real-time"}}) {
+    const Ended ended = run_program(std::string("run pad.toml -q --out o ") + what, folder);
+    EXPECT_EQ(ended.code, 2) << what << ended.printed;
+    EXPECT_NE(ended.printed.find(named), std::string::npos) << what << ended.printed;
+    EXPECT_FALSE(fs::exists(folder / "o")) << what;
+  }
+}
+
 }  // namespace
 }  // namespace turgor
