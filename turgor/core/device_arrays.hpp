@@ -4,12 +4,18 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 #include <span>
 
-#include "turgor/core/assert.hpp"
 #include "turgor/core/config.hpp"
 
 namespace turgor {
+
+/// Thrown when a list of a step, a cut or a download does not fit into device memory. States catch it and
+/// continue on the host (mirrored_state.hpp).
+struct OutOfDeviceMemory : std::bad_alloc {
+  const char* what() const noexcept override { return "device memory ran out"; }
+};
 
 /// Allocates arrays of a backend until memory runs out, and counts the bytes that all of them need.
 template <class Backend>
@@ -63,19 +69,26 @@ struct DeviceList {
   /// Sets the length; false if memory is short. A reallocation has `spare` extra entries.
   bool try_resize(std::size_t new_count, std::size_t spare = 0) {
     if (new_count > array.size()) array = {}, array = typename Backend::template Array<T>(new_count + spare);
-    count = array.is_allocated() ? new_count : 0;
-    return array.is_allocated();
+    const bool is_allocated = array.is_allocated();
+    if (!is_allocated) array = {};
+    count = is_allocated ? new_count : 0;
+    return is_allocated;
   }
+  /// The same, with half as many extra entries if memory permits.
+  bool try_resize_generously(std::size_t new_count) {
+    return try_resize(new_count, new_count / 2) || try_resize(new_count);
+  }
+  /// Sets the length. Throws OutOfDeviceMemory; the list is empty then.
   void resize(std::size_t new_count) {
-    [[maybe_unused]] const bool allocated = try_resize(new_count, new_count / 2);
-    TURGOR_ASSERT(allocated, "a GPU has memory left for the data that a step or a cut adds to a body");
+    if (!try_resize_generously(new_count)) throw OutOfDeviceMemory();
   }
   /// Sets length and contents; false if memory is short.
   bool try_assign(std::span<const T> values) {
-    if (!try_resize(values.size(), values.size() / 2)) return false;
+    if (!try_resize_generously(values.size())) return false;
     array.upload(values);
     return true;
   }
+  /// Sets length and contents. Throws as resize.
   void assign(std::span<const T> values) {
     resize(values.size());
     array.upload(values);

@@ -26,6 +26,7 @@ struct Mirrored {
   HostStorage storage;
   bool is_on_device = false, is_watched = false;
   Changed changed = Changed::kAll;
+  bool lacked_memory = false;  // the state left the device since device memory ran out
 
   void move_to_device() {
     if (!std::exchange(is_on_device, true)) storage.swap(host_state);
@@ -35,6 +36,13 @@ struct Mirrored {
     if (!std::exchange(is_on_device, false)) return;
     storage.swap(host_state);
     backend->download_state(host_state);
+  }
+  /// Later steps are on the host, since device memory ran out. Requires that the caller holds the backend's
+  /// mutex and a reference to it.
+  void leave_device() {
+    move_to_host();
+    if (backend->owner.lock().get() == this) backend->owner.reset();
+    backend = nullptr, lacked_memory = true, changed = Changed::kAll;
   }
   State& on_host() {
     if (!backend) return host_state;
@@ -107,6 +115,9 @@ class DeviceStateOf {
     mirrored_->is_watched = true;
     return change();
   }
+
+  /// True once after steps have moved from the device to the host, since device memory ran out.
+  bool take_lack_of_memory() { return std::exchange(mirrored_->lacked_memory, false); }
 
   /// Later steps use this backend.
   void use_backend(std::shared_ptr<typename Mirrored::Backend> backend) {

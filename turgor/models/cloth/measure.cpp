@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/hash.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/surface_check.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/models/cloth/contact/spatial_hash.hpp"
@@ -48,6 +49,17 @@ void for_bending_of(const Model& model, std::size_t vertex, const Visit& visit) 
       });
 }
 
+/// Calls visit(triangle) for the triangles around a vertex.
+template <class Visit>
+void for_triangles_of(const Model& model, std::size_t vertex, const Visit& visit) {
+  const ChunkTriangles& chunks = model.chunk_triangles;
+  for (int n = chunks.begin[vertex / kChunk]; n < chunks.begin[vertex / kChunk + 1]; n++) {
+    const auto t = std::size_t(chunks.triangle[std::size_t(n)]);
+    const Int3 corner = model.triangles[t];
+    if (corner.x == int(vertex) || corner.y == int(vertex) || corner.z == int(vertex)) visit(t);
+  }
+}
+
 /// Calls visit(stiffness, rest, length) for both halves of every spring.
 template <class Visit>
 void for_each_half_spring(const Model& model, const State& state, const Visit& visit) {
@@ -74,11 +86,8 @@ double sheet_energy(const Model& model, const State& state) {
 Vec3d sheet_force(const Model& model, const State& state, std::size_t v) {
   Vec3d force;
   // membrane: side tensions of incident triangles
-  const ChunkTriangles& chunks = model.chunk_triangles;
-  for (int n = chunks.begin[v / kChunk]; n < chunks.begin[v / kChunk + 1]; n++) {
-    const auto t = std::size_t(chunks.triangle[std::size_t(n)]);
+  for_triangles_of(model, v, [&](std::size_t t) {
     const Int3 corner = model.triangles[t];
-    if (corner.x != int(v) && corner.y != int(v) && corner.z != int(v)) continue;
     const TriangleTension tension = triangle_tension(model, state, t);
     for (int side = 0; side < 3; side++) {
       const int i = corner[side], j = corner[(side + 1) % 3];
@@ -86,7 +95,7 @@ Vec3d sheet_force(const Model& model, const State& state, std::size_t v) {
       const int other = i == int(v) ? j : i;
       force += (Vec3d(state.x[std::size_t(other)]) - Vec3d(state.x[v])) * tension.side[std::size_t(side)];
     }
-  }
+  });
   // bending
   for_bending_of(model, v, [&](double weight, std::size_t other) {
     force += (Vec3d(state.x[other]) - Vec3d(state.x[v])) * weight;
@@ -157,6 +166,23 @@ Vec3d hold_force(const Model& model, const State& state, int mesh_vertex, Vec3d 
         Vec3d(c.normal * c.impulse + c.friction_impulse) * (double(c.weight[item % 4]) / state.impulse_time);
   }
   return force;
+}
+
+std::vector<int> vertices_of_hold_forces(const Model& model, std::span<const int> mesh_vertices) {
+  std::vector<int> read;
+  for (const int mesh_vertex : mesh_vertices) {
+    const int vertex = model.model_vertex[std::size_t(mesh_vertex)];
+    const auto v = std::size_t(vertex);
+    read.push_back(vertex);
+    for_springs_of(model, v, [&](double, double, std::size_t other) { read.push_back(int(other)); });
+    for_bending_of(model, v, [&](double, std::size_t other) { read.push_back(int(other)); });
+    if (model.params.fabric.law != Law::kSheet) continue;
+    for_triangles_of(model, v, [&](std::size_t t) {
+      for (int k = 0; k < 3; k++) read.push_back(model.triangles[t][k]);
+    });
+  }
+  sort_unique(read);
+  return read;
 }
 
 double largest_stretch(const Model& model, const State& state) {

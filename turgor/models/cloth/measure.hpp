@@ -2,6 +2,9 @@
 // surfaces. Nothing of this is used by the step.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
@@ -19,6 +22,9 @@ Vec3d momentum(const Model& model, const State& state);
 /// springs, contacts and weight [N]. Wind on the vertex is not included.
 Vec3d hold_force(const Model& model, const State& state, int mesh_vertex, Vec3d gravity, Vec3d change,
                  double dt);
+
+/// Vertices of the model that hold_force of these vertices of the mesh reads, ascending.
+std::vector<int> vertices_of_hold_forces(const Model& model, std::span<const int> mesh_vertices);
 
 /// Largest length of a spring relative to its rest length [1].
 double largest_stretch(const Model& model, const State& state);

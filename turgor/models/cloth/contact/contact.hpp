@@ -114,7 +114,9 @@ inline const Contact* find_previous(const Contacts& contacts, const Contact& wan
   return find_previous(view(contacts), wanted);
 }
 
-/// Builds the contact list of each vertex and the effective masses from Contacts::list.
+/// Builds the contact list of each of `count` vertices from Contacts::list.
+void list_by_vertex(int count, Contacts& contacts);
+/// The same for the vertices of a model, with the effective masses.
 void link_contacts(const Model& model, const State& state, Contacts& contacts);
 
 /// Solves the contact impulses by projected Jacobi iterations: afterwards no contact closes faster than its

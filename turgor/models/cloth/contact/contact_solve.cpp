@@ -44,28 +44,13 @@ void impulse_delta(const Exec& exec, State& state, Vectors& field) {
 
 }  // namespace
 
-void link_contacts(const Model& model, const State& state, Contacts& contacts) {
+void list_by_vertex(int count, Contacts& contacts) {
   auto& list = contacts.list;
   auto &begin = contacts.begin, &item = contacts.item, &touched = contacts.touched;
   touched.clear(), begin.clear();
   if (list.empty()) return;
-  TURGOR_CHECK(std::all_of(list.begin(), list.end(),
-                           [&](const Contact& c) {
-                             return c.vertex[0] >= 0 && std::all_of(c.vertex.begin(), c.vertex.end(),
-                                                                    [&](int v) { return v < model.count; });
-                           }),
-               "contacts are of vertices of the cloth");
-  TURGOR_CHECK(std::all_of(list.begin(), list.end(),
-                           [](const Contact& c) {
-                             return std::abs(c.weight[0] + c.weight[1] + c.weight[2] + c.weight[3] -
-                                             Real(c.obstacle >= 0 ? 1 : 0)) < Real(1e-3);
-                           }),
-               "the weights of a contact sum to 0, or to 1 against an obstacle");
-  TURGOR_CHECK(std::all_of(list.begin(), list.end(),
-                           [](const Contact& c) { return c.obstacle >= 0 || is_unit(c.normal); }),
-               "the normal of a self-contact is a unit vector");
   // number of contacts per vertex, shifted by two
-  begin.assign(std::size_t(model.count) + 2, 0);
+  begin.assign(std::size_t(count) + 2, 0);
   std::size_t uses = 0;
   for (const Contact& c : list)
     for (const int v : c.vertex)
@@ -83,8 +68,28 @@ void link_contacts(const Model& model, const State& state, Contacts& contacts) {
         item[std::size_t(begin[std::size_t(v) + 1]++)] = int(4 * c + k);
   begin.pop_back();
   TURGOR_CHECK(is_csr(begin, item.size()), "every vertex has the list of its contacts");
+}
+
+void link_contacts(const Model& model, const State& state, Contacts& contacts) {
+  auto& list = contacts.list;
+  TURGOR_CHECK(std::all_of(list.begin(), list.end(),
+                           [&](const Contact& c) {
+                             return c.vertex[0] >= 0 && std::all_of(c.vertex.begin(), c.vertex.end(),
+                                                                    [&](int v) { return v < model.count; });
+                           }),
+               "contacts are of vertices of the cloth");
+  TURGOR_CHECK(std::all_of(list.begin(), list.end(),
+                           [](const Contact& c) {
+                             return std::abs(c.weight[0] + c.weight[1] + c.weight[2] + c.weight[3] -
+                                             Real(c.obstacle >= 0 ? 1 : 0)) < Real(1e-3);
+                           }),
+               "the weights of a contact sum to 0, or to 1 against an obstacle");
+  TURGOR_CHECK(std::all_of(list.begin(), list.end(),
+                           [](const Contact& c) { return c.obstacle >= 0 || is_unit(c.normal); }),
+               "the normal of a self-contact is a unit vector");
+  list_by_vertex(model.count, contacts);
   // effective masses
-  for (Contact& c : list) c.mass = contact_mass(c, begin.data(), state.free_mass.data());
+  for (Contact& c : list) c.mass = contact_mass(c, contacts.begin.data(), state.free_mass.data());
 }
 
 int solve_velocities(const Exec& exec, const Model& model, State& state, double dt) {

@@ -115,6 +115,7 @@ class DeviceContacts {
       : vertices_(std::size_t(m.count)), find_(allocator, m) {}
 
   std::size_t count() const { return list_.count; }
+  std::span<const Contact> values() const { return list_.values(); }  // in device memory
   ContactsView view() const {
     return {list_.data(), list_.count > 0 ? of_vertex_.begin.data() : nullptr, of_vertex_.item.data()};
   }
@@ -125,14 +126,8 @@ class DeviceContacts {
   void download(Contacts& contacts) const {
     contacts.list.resize(list_.count);
     list_.array.download(contacts.list);
-    contacts.begin.clear(), contacts.item.clear(), contacts.touched.clear();
-    if (list_.count == 0) return;
-    contacts.begin.resize(vertices_ + 1);
-    of_vertex_.begin.array.download(contacts.begin);
-    contacts.item.resize(std::size_t(contacts.begin.back()));
-    of_vertex_.item.array.download(contacts.item);
-    for (std::size_t v = 0; v < vertices_; v++)
-      if (contacts.begin[v] < contacts.begin[v + 1]) contacts.touched.push_back(int(v));
+    contacts.item.clear();
+    list_by_vertex(int(vertices_), contacts);
   }
   void clear() { list_.count = 0; }
 
@@ -140,14 +135,15 @@ class DeviceContacts {
     if (list_.count > 0) run(vertices_, AddImpulses{view(), sheet.free_mass, sheet.force});
   }
 
-  /// find_contacts with `more` appended.
+  /// find_contacts with `more` appended. Throws OutOfDeviceMemory; the contacts are those before, then.
   void find(const Run& run, const Model& model, const SheetView& sheet, const Int3* triangles,
             std::span<const Obstacle> obstacles, Real largest_speed, double dt,
             std::span<const Contact> more) {
+    largest_.resize(std::size_t(model.params.collision.iterations) + 1);  // of the solver
     find_(run, model, sheet, triangles, obstacles, view(), largest_speed, dt, more, found_);
+    if (found_.count > 0) of_vertex_.make(run, vertices_, 4 * found_.count, VertexOf{found_.data()});
     std::swap(list_, found_);
     if (list_.count == 0) return;
-    link(run);
     run(list_.count, LinkContact{list_.data(), of_vertex_.begin.data(), sheet.free_mass});
   }
 

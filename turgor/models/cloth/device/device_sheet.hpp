@@ -15,6 +15,7 @@
 #include "turgor/models/cloth/device/device_components.hpp"
 #include "turgor/models/cloth/device/device_contacts.hpp"
 #include "turgor/models/cloth/device/device_mesh.hpp"
+#include "turgor/models/cloth/device/device_readback.hpp"
 #include "turgor/models/cloth/device/device_state.hpp"
 #include "turgor/models/cloth/forces/wind.hpp"
 #include "turgor/models/cloth/model/contacts.hpp"
@@ -68,11 +69,24 @@ class DeviceSheet final : public SheetBackend {
     history_x_.download(state.history.x), history_v_.download(state.history.v);
   }
 
+  void download_vertices(std::span<const int> vertices, State& state) override {
+    readback_.download_vertices(run_, cloth::view(x_), cloth::view(v_), vertices, state);
+  }
+  void download_loads(const Model& model, Contacts& contacts) override {
+    contacts.list = readback_.download_loads(run_, contacts_.values(), holds_.values());
+    list_by_vertex(model.count, contacts);
+  }
+
   StepReport step(const Exec& exec, const Model& model, State& state, const Inputs& inputs,
                   double frame) override {
     TURGOR_CHECK(is_step_length(frame), "a step has a positive length");
     Step step{*this, exec, model, state, inputs, frame};
-    step_sweeps(step);
+    try {
+      step_sweeps(step);
+    } catch (const OutOfDeviceMemory&) {
+      step.rewind();
+      throw;
+    }
     return step.report;
   }
 
@@ -86,9 +100,12 @@ class DeviceSheet final : public SheetBackend {
     const Inputs& inputs;
     double frame, dt = 0;  // [s]; dt is shorter with BDF2
     StepReport report = {};
+    bool has_predicted = false, has_new_velocities = false;
+    Real largest_speed_before = state.largest_speed;  // [m/s]
 
     void predict() {
       sheet.take_holds(model, state);
+      has_predicted = true;
       dt = state.impulse_time = sheet.predict_bdf2(model.params.solver, state, frame);
     }
     void assemble() { sheet.assemble(model, state, inputs, dt); }
@@ -98,7 +115,10 @@ class DeviceSheet final : public SheetBackend {
       if (inputs.measure_residual) report.residual = sheet.residual();
     }
     void change_velocities() {
-      sheet.run_(sheet.size(), ChangeVelocities<Real>{cloth::view(sheet.v_), cloth::view(sheet.change_)});
+      // after the solution, the right-hand side is a workspace
+      sheet.run_(sheet.size(), ChangeVelocitiesReversibly{cloth::view(sheet.v_), cloth::view(sheet.change_),
+                                                          cloth::view(sheet.force_)});
+      has_new_velocities = true;
     }
     void limit_strain() {
       if (model.params.solver.strain_limit > 0) sheet.limit_strain(model, dt);
@@ -117,6 +137,18 @@ class DeviceSheet final : public SheetBackend {
     }
     bool is_finite() const { return std::isfinite(state.largest_speed); }
     void undo() { sheet.restore_last_state(state); }
+    /// Restores the state before the step. Its search of contacts lacked memory, so positions are those of
+    /// the predictor. A predicted state loses its history.
+    void rewind() {
+      state.largest_speed = largest_speed_before;
+      if (has_predicted && model.params.solver.integrator == Integrator::kBdf2) {
+        sheet.run_(sheet.size(), CopyVectors{cloth::view(sheet.history_x_), cloth::view(sheet.x_)});
+        sheet.run_(sheet.size(), CopyVectors{cloth::view(sheet.history_v_), cloth::view(sheet.v_)});
+        state.history.dt = 0;
+      } else if (has_new_velocities) {
+        sheet.run_(sheet.size(), CopyVectors{cloth::view(sheet.force_), cloth::view(sheet.v_)});
+      }
+    }
     void move() { sheet.move(model, dt); }
     void solve_positions() { sheet.contacts_.solve_positions(sheet.run_, model, sheet.view(), dt); }
     void resolve_ccd() {
@@ -295,6 +327,7 @@ class DeviceSheet final : public SheetBackend {
   typename Backend::template Array<std::uint32_t> largest_;
   DeviceContacts<Backend> contacts_;
   DeviceCcd<Backend> ccd_;
+  DeviceReadback<Backend> readback_;
   DeviceList<Backend, Hold> holds_;
   std::vector<int> held_;  // vertices
   Real stiffness_factor_ = 0, mass_factor_ = 1;

@@ -31,6 +31,15 @@ struct ChangeVelocities {
   }
 };
 
+/// The same, and keeps the velocities before it.
+struct ChangeVelocitiesReversibly {
+  VectorsView v;
+  ConstVectorsView change;
+  VectorsView before;
+
+  TURGOR_HD void operator()(std::size_t n) const { before.set(n, v[n]), v.set(n, v[n] + change[n]); }
+};
+
 constexpr int kStrainPasses = 12;
 inline Real strain_limit(const Model& model) { return Real(1 + model.params.solver.strain_limit); }
 

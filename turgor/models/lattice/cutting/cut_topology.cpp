@@ -310,4 +310,12 @@ void build_cut_elements(const Model& model, State& state, const DownloadNodes& d
   if (!model.anatomy.skin.patches.empty()) cancel_prestress_of_removed(model, state.cuts, state.cut_elements);
 }
 
+void renew_prestress(const Model& model, const Cuts& cuts, CutElements& elements) {
+  if (model.prestress_force.empty()) return;
+  for (std::vector<ElementNode>* list : {&elements.nodes, &elements.virtual_nodes})
+    for (ElementNode& node : *list) node.prestress_force = {};
+  share_prestress(model, elements);
+  if (!model.anatomy.skin.patches.empty()) cancel_prestress_of_removed(model, cuts, elements);
+}
+
 }  // namespace turgor::lattice

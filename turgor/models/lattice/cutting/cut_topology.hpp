@@ -11,6 +11,9 @@ namespace turgor::lattice {
 /// are downloaded.
 void build_cut_elements(const Model& model, State& state, const DownloadNodes& download = {});
 
+/// Shares Model::prestress_force among the nodes of the present cut elements again, after it has changed.
+void renew_prestress(const Model& model, const Cuts& cuts, CutElements& elements);
+
 /// Marks the rows around a slot as cut (Cuts::row_cut).
 void mark_rows(const Model& model, Cuts& cuts, int slot);
 

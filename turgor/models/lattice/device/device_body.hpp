@@ -158,11 +158,14 @@ struct DeviceVbd {
     upload_listed(list_nodes(model, cuts.row_cut, {}));
     cells.assign(elements.cells), cut_skin_elements.assign(elements.skin),
         references.assign(elements.references);
+    upload_element_nodes(model, elements);
+    shifts.assign(virtual_u), shifts_before.assign(virtual_u_before);
+    shifts_before.resize(virtual_u.size());
+  }
+  void upload_element_nodes(const Model& model, const CutElements& elements) {
     element_nodes.assign(elements.nodes);
     const VirtualNodeOrdering ordering = virtual_node_ordering(model, elements);
     virtual_nodes.assign(ordering.virtual_nodes), virtual_nodes_of_color = ordering.virtual_nodes_of_color;
-    shifts.assign(virtual_u), shifts_before.assign(virtual_u_before);
-    shifts_before.resize(virtual_u.size());
   }
   void upload_listed(ListedNodes nodes) {
     listed_nodes = std::move(nodes);
@@ -259,9 +262,15 @@ class DeviceBody final : public BodyBackend {
     resampled_.forget_cuts();
     if (vbd_) vbd_->upload_cuts(model, cuts, elements, virtual_u, virtual_u_before);
   }
+  void upload_prestress(const Model& model, const CutElements& elements) override {
+    if (vbd_) vbd_->upload_element_nodes(model, elements);
+  }
+  void download_motion(Motion& motion) const override {
+    nodes_.u.download(motion.u), nodes_.u_before.download(motion.u_before), nodes_.v.download(motion.v);
+  }
   void download_state(State& state) const override {
     Motion& motion = state.motion;
-    nodes_.u.download(motion.u), nodes_.u_before.download(motion.u_before), nodes_.v.download(motion.v);
+    download_motion(motion);
     if (!vbd_) return;
     motion.virtual_u_before.resize(vbd_->shifts_before.count);
     download_virtual_nodes(motion);

@@ -67,7 +67,11 @@ class DeviceReadback {
   std::vector<int> find_samples(const Run& run, const NodeArrays& nodes,
                                 std::span<const SurfaceSample> samples, std::uint64_t version,
                                 std::span<const Ball> balls) {
-    if (version != version_) samples_.assign(samples), found_.resize(samples.size()), version_ = version;
+    if (version != version_) {
+      version_ = 0;  // of no samples, in case that memory is short
+      samples_.assign(samples), found_.resize(samples.size());
+      version_ = version;
+    }
     // up to kBalls per launch
     std::vector<int> found;
     for (std::size_t first = 0; first < balls.size(); first += FindSamples::kBalls) {

@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include "turgor/core/assert.hpp"
+#include "turgor/core/device_arrays.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 
 namespace turgor::lattice {
@@ -31,21 +33,35 @@ bool is_current_on_device(const std::shared_ptr<MirroredState>& mirrored) {
 
 }  // namespace
 
-std::vector<int> DeviceState::samples_in_balls(std::span<const SurfaceSample> samples, std::uint64_t version,
-                                               std::span<const Ball> balls) const {
-  if (!mirrored_->backend) return lattice::samples_in_balls(samples, mirrored_->host_state.motion, balls);
-  const std::lock_guard lock(mirrored_->backend->mutex);
-  return mirrored_->is_on_device ? mirrored_->backend->find_samples(samples, version, balls)
-                                 : lattice::samples_in_balls(samples, mirrored_->host_state.motion, balls);
+void DeviceState::DownloadedNodes::add(std::span<const int> nodes) {
+  State& state = mirrored.host_state;
+  if (!mirrored.is_on_device) return;
+  try {
+    mirrored.backend->download_nodes(nodes, state.motion);
+  } catch (const OutOfDeviceMemory&) {
+    mirrored.backend->download_state(state);
+    mirrored.is_on_device = false;
+  }
 }
 
-StepReport DeviceState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {
-  TURGOR_ASSERT(is_step_length(dt), "a step has a positive length");
-  if (!mirrored_->backend) return lattice::step(exec, model, mirrored_->host_state, inputs, dt);
-  TURGOR_ASSERT(inputs.springs == nullptr && inputs.points == nullptr,
-                "springs and contacts at points need a body on the host");
-  // upload changes of the host
+std::vector<int> DeviceState::samples_in_balls(std::span<const SurfaceSample> samples, std::uint64_t version,
+                                               std::span<const Ball> balls) const {
+  const State& state = mirrored_->host_state;
+  if (!mirrored_->backend) return lattice::samples_in_balls(samples, state.motion, balls);
   const std::lock_guard lock(mirrored_->backend->mutex);
+  if (mirrored_->is_on_device) {
+    try {
+      return mirrored_->backend->find_samples(samples, version, balls);
+    } catch (const OutOfDeviceMemory&) {
+      mirrored_->move_to_host();
+    }
+  }
+  return lattice::samples_in_balls(samples, state.motion, balls);
+}
+
+StepReport DeviceState::step_on_device(const Exec& exec, const Model& model, const Inputs& inputs,
+                                       double dt) {
+  // upload changes of the host
   upload_changes(model, mirrored_);
   mirrored_->move_to_device();
   // step on the device
@@ -59,6 +75,22 @@ StepReport DeviceState::step(const Exec& exec, const Model& model, const Inputs&
   if (report.finite) state.motion.time += dt;
   mirrored_->download_if_watched();
   return report;
+}
+
+StepReport DeviceState::step(const Exec& exec, const Model& model, const Inputs& inputs, double dt) {
+  TURGOR_ASSERT(is_step_length(dt), "a step has a positive length");
+  const std::shared_ptr<BodyBackend> backend = mirrored_->backend;
+  if (backend) {
+    TURGOR_ASSERT(inputs.springs == nullptr && inputs.points == nullptr,
+                  "springs and contacts at points need a body on the host");
+    const std::lock_guard lock(backend->mutex);
+    try {
+      return step_on_device(exec, model, inputs, dt);
+    } catch (const OutOfDeviceMemory&) {
+      mirrored_->leave_device();
+    }
+  }
+  return lattice::step(exec, model, mirrored_->host_state, inputs, dt);
 }
 
 std::optional<DeviceResampled> DeviceState::resample_on_device(const Exec& exec, const Model& model,
@@ -123,7 +155,8 @@ int DeviceState::cut_with(State& state, const Cut& cut) {
 }
 
 /// A state on the device is not moved to the host. Virtual nodes are downloaded, and the nodes from which new
-/// ones are interpolated. The cut topology is uploaded at once.
+/// ones are interpolated. The cut topology is uploaded at once; without the memory, the state leaves the
+/// device.
 int DeviceState::cut_edges(const Model& model, const BladePath& path, double begin, double end,
                            int incision) {
   const auto cut = [&](const DownloadNodes& download) {
@@ -131,15 +164,36 @@ int DeviceState::cut_edges(const Model& model, const BladePath& path, double beg
       return lattice::cut_edges(model, state, path, begin, end, incision, download);
     });
   };
-  if (!mirrored_->backend) return cut({});
-  const std::lock_guard lock(mirrored_->backend->mutex);
+  const std::shared_ptr<BodyBackend> backend = mirrored_->backend;
+  if (!backend) return cut({});
+  const std::lock_guard lock(backend->mutex);
   if (!mirrored_->is_on_device) return cut({});
-  const DownloadedNodes downloaded(*mirrored_, {}, true);
-  const int count = cut([&](std::span<const int> nodes) {
-    mirrored_->backend->download_nodes(nodes, mirrored_->host_state.motion);
-  });
-  upload_changes(model, mirrored_);
+  // cut with the nodes that it reads
+  int count = 0;
+  {
+    DownloadedNodes downloaded(*mirrored_, {}, true);
+    count = cut([&](std::span<const int> nodes) { downloaded.add(nodes); });
+  }
+  // upload the cut; without the memory, positions join its virtual nodes on the host
+  try {
+    upload_changes(model, mirrored_);
+  } catch (const OutOfDeviceMemory&) {
+    if (std::exchange(mirrored_->is_on_device, false)) {
+      mirrored_->storage.swap(mirrored_->host_state);
+      backend->download_motion(mirrored_->host_state.motion);
+    }
+    mirrored_->leave_device();
+  }
   return count;
+}
+
+/// A state that waits for its upload gets the prestress with it.
+void DeviceState::renew_prestress(const Model& model) {
+  State& state = mirrored_->host_state;
+  if (!mirrored_->backend) return lattice::renew_prestress(model, state.cuts, state.cut_elements);
+  const std::lock_guard lock(mirrored_->backend->mutex);
+  lattice::renew_prestress(model, state.cuts, state.cut_elements);
+  if (is_current_on_device(mirrored_)) mirrored_->backend->upload_prestress(model, state.cut_elements);
 }
 
 int DeviceState::cut_region(const Model& model, const BladePath& path) {

@@ -40,7 +40,8 @@ struct DeviceResampled {
   ResampleReport report;
 };
 
-/// Body in device memory (device_body.hpp): its model, and one state at a time.
+/// Body in device memory (device_body.hpp): its model, and one state at a time. Uploads, steps and downloads
+/// of some nodes throw OutOfDeviceMemory; a step then leaves the state unchanged.
 struct BodyBackend : BackendOf<MirroredState> {
   virtual ~BodyBackend() = default;
 
@@ -49,7 +50,7 @@ struct BodyBackend : BackendOf<MirroredState> {
   virtual void upload_cuts(const Model& model, const Cuts& cuts, const CutElements& elements,
                            std::span<const VirtualNodeDisplacement> virtual_u,
                            std::span<const VirtualNodeDisplacement> virtual_u_before) = 0;
-  /// Downloads positions and velocities.
+  /// Downloads positions and velocities of all nodes and virtual nodes.
   virtual void download_state(State& state) const = 0;
   /// Downloads positions and velocities of these nodes.
   virtual void download_nodes(std::span<const int> slots, Motion& motion) = 0;
@@ -75,6 +76,10 @@ struct BodyBackend : BackendOf<MirroredState> {
                                      std::span<Vec3> samples) = 0;
   virtual bool download_jacobian(const Model& model, const Cuts& cuts, const Grid& grid,
                                  std::span<float> samples) = 0;
+  /// Uploads the prestress of the present cut elements.
+  virtual void upload_prestress(const Model& model, const CutElements& elements) = 0;
+  /// download_state without virtual nodes.
+  virtual void download_motion(Motion& motion) const = 0;
 };
 
 class DeviceState : public DeviceStateOf<MirroredState> {
@@ -109,7 +114,13 @@ class DeviceState : public DeviceStateOf<MirroredState> {
   std::vector<int> samples_in_balls(std::span<const SurfaceSample> samples, std::uint64_t version,
                                     std::span<const Ball> balls) const;
 
+  /// Steps on the device, or on the host without a device and from the step on that lacks device memory.
   StepReport step(const Exec& exec, const Model& model, const Inputs& inputs, double dt);
+
+  /// Wakes all rows, without a transfer.
+  void wake() { mirrored_->host_state.sleep = {}; }
+  /// Same as the function of this name in cut_topology.hpp.
+  void renew_prestress(const Model& model);
 
   /// Same as the functions of these names in incision.hpp.
   int cut_edges(const Model& model, const BladePath& path, double begin, double end, int incision);
@@ -131,9 +142,11 @@ class DeviceState : public DeviceStateOf<MirroredState> {
     DownloadedNodes(MirroredState& of, std::span<const int> nodes, bool virtual_nodes) : mirrored(of) {
       if (!mirrored.is_on_device) return;
       mirrored.storage.swap(mirrored.host_state);
-      mirrored.backend->download_nodes(nodes, mirrored.host_state.motion);
       if (virtual_nodes) mirrored.backend->download_virtual_nodes(mirrored.host_state.motion);
+      add(nodes);
     }
+    /// Downloads further nodes. If device memory is short, the whole state moves to the host.
+    void add(std::span<const int> nodes);
     DownloadedNodes(const DownloadedNodes&) = delete;
     DownloadedNodes& operator=(const DownloadedNodes&) = delete;
     ~DownloadedNodes() {
@@ -148,6 +161,7 @@ class DeviceState : public DeviceStateOf<MirroredState> {
     const DownloadedNodes downloaded(*mirrored_, nodes, virtual_nodes);
     return look(std::as_const(mirrored_->host_state));
   }
+  StepReport step_on_device(const Exec& exec, const Model& model, const Inputs& inputs, double dt);
   template <class Cut>
   int cut_with(State& state, const Cut& cut);
   template <class Get>
