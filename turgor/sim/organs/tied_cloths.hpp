@@ -20,7 +20,7 @@ namespace turgor {
 struct ClothStep {
   ClothBody& body;
   cloth::Inputs inputs;
-  cloth::Vectors v_before = {};  // velocities before the step [m/s]
+  std::vector<Vec3> v_before = {};  // velocities of held vertices before the step, by hold [m/s]
   cloth::StepReport report = {};
   double seconds = 0;  // wall time of the step
 };

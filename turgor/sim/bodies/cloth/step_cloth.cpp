@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <span>
+#include <vector>
 
 #include "turgor/contact/cloth_obstacle.hpp"
 #include "turgor/core/assert.hpp"
@@ -8,6 +10,7 @@
 #include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/bodies/cloth/corner_forces.hpp"
+#include "turgor/sim/bodies/lack_of_memory.hpp"
 #include "turgor/sim/organs/cloth_attachments.hpp"
 #include "turgor/sim/organs/tied_cloths.hpp"
 #include "turgor/sim/world.hpp"
@@ -68,14 +71,36 @@ void update_hold(ClothBody& body, ClothHold& hold, double end) {
 /// Distance between tool and cloth: half the thickness between layers [m].
 double tool_gap(const ClothBody& body) { return body.model.params.collision.thickness / 2; }
 
-/// Force on the hold in this frame [N].
-Vec3d hold_force_of(const ClothBody& body, const ClothHold& hold, const cloth::Vectors& v_before,
-                    const World& world) {
+/// Vertices of the mesh that are held now, by hold and without order.
+std::vector<int> held_vertices(const ClothBody& body) {
+  std::vector<int> held;
+  for (const ClothHold& hold : body.holds)
+    if (hold.is_held) held.insert(held.end(), hold.vertices.begin(), hold.vertices.end());
+  return held;
+}
+
+/// Velocities of held vertices, in the order of held_vertices [m/s].
+std::vector<Vec3> held_velocities(const ClothBody& body) {
+  std::vector<int> vertices = held_vertices(body);
+  if (vertices.empty()) return {};
+  for (int& v : vertices) v = body.model.model_vertex[std::size_t(v)];
+  return body.state.read_vertices(vertices, [&](const cloth::State& state) {
+    std::vector<Vec3> velocities;
+    for (const int v : vertices) velocities.push_back(state.v[std::size_t(v)]);
+    return velocities;
+  });
+}
+
+/// Force on the hold in this frame [N]. `v_before`: velocities of its vertices before it, then those
+/// of others.
+Vec3d hold_force_of(const ClothBody& body, const cloth::State& state, const ClothHold& hold,
+                    std::span<const Vec3> v_before, const World& world) {
+  TURGOR_CHECK(v_before.size() >= hold.vertices.size(), "every vertex has a velocity before the step");
   Vec3d sum;
-  for (const int vertex : hold.vertices) {
-    const auto v = std::size_t(body.model.model_vertex[std::size_t(vertex)]);
-    const Vec3d change = Vec3d(body.state->v[v]) - Vec3d(v_before[v]);
-    sum += cloth::hold_force(body.model, body.state, vertex, world.gravity, change, world.dt);
+  for (std::size_t n = 0; n < hold.vertices.size(); n++) {
+    const auto v = std::size_t(body.model.model_vertex[std::size_t(hold.vertices[n])]);
+    const Vec3d change = Vec3d(state.v[v]) - Vec3d(v_before[n]);
+    sum += cloth::hold_force(body.model, state, hold.vertices[n], world.gravity, change, world.dt);
   }
   return sum;
 }
@@ -138,7 +163,7 @@ void add_tools(ClothBody& body, const World& world, const FrameInput& input, clo
 
 /// Records forces and poses of the tools in this frame.
 void record_tools(ClothBody& body, World& world, double time, double seconds) {
-  TURGOR_CHECK(is_step_length(body.state->impulse_time),
+  TURGOR_CHECK(is_step_length(body.state.impulse_time()),
                "impulses become forces over a step of positive length");
   for (std::size_t t = 0; t < body.tools.size(); t++) {
     // force on the tool from contact impulses
@@ -167,7 +192,7 @@ void publish_contacts(ClothBody& body) {
     publish_contact(body, t,
                     contact::local_contact(body.model, body.state, int(body.obstacles.size() + t),
                                            tool_gap(body), body.tools[t], body.poses[t],
-                                           body.state->impulse_time, body.haptic[t].history));
+                                           body.state.impulse_time(), body.haptic[t].history));
 }
 
 /// Inputs of the next step: holds, wind, obstacles, and springs to other bodies than cloth.
@@ -187,9 +212,32 @@ ClothStep prepare_step(const Exec& exec, ClothBody& body, World& world, const Fr
   inputs.springs = attachment_springs(exec, body, world);
 
   ClothStep step{.body = body, .inputs = std::move(inputs)};
-  if (std::any_of(body.holds.begin(), body.holds.end(), [](const ClothHold& hold) { return hold.is_held; }))
-    step.v_before = body.state->v;
+  step.v_before = held_velocities(body);
   return step;
+}
+
+/// Records the forces of this frame on obstacles and holds. Of a state on the device, only what determines
+/// them is downloaded.
+void record_forces(const ClothStep& step, World& world) {
+  ClothBody& body = step.body;
+  std::vector<int> read;
+  if (body.state.is_on_device()) read = cloth::vertices_of_hold_forces(body.model, held_vertices(body));
+  body.state.read_loads(body.model, read, [&](const cloth::State& state) {
+    // obstacles
+    for (std::size_t o = 0; o < body.obstacles.size(); o++) {
+      ClothObstacle& obstacle = body.obstacles[o];
+      obstacle.force.push_back(cloth::obstacle_load(state, int(o), {}).impulse / state.impulse_time);
+      if (!obstacle.support) continue;
+      record_force(state, int(o), state.impulse_time, *obstacle.support);
+      move_to_corners(world, *obstacle.support);
+    }
+    // holds
+    std::span<const Vec3> v_before = step.v_before;
+    for (ClothHold& hold : body.holds) {
+      hold.force.push_back(hold.is_held ? hold_force_of(body, state, hold, v_before, world) : Vec3d{});
+      if (hold.is_held) v_before = v_before.subspan(hold.vertices.size());
+    }
+  });
 }
 
 /// Reads forces and measurements after the step.
@@ -204,20 +252,13 @@ void finish_step(const Exec& exec, const ClothStep& step, World& world, const Fr
                      .iterations = report.iterations,
                      .is_snapshot = input.measure_residual,
                      .contacts = report.contacts};
+  if (body.state.take_lack_of_memory()) body.notes.push_back(note_of_lacking_memory(input.from));
   if (report.finite && !step.inputs.springs.empty()) finish_attachment_springs(exec, body, world);
 
-  // contact forces on obstacles, tools and holds
-  for (std::size_t o = 0; o < body.obstacles.size(); o++) {
-    ClothObstacle& obstacle = body.obstacles[o];
-    obstacle.force.push_back(cloth::obstacle_load(body.state, int(o), {}).impulse / body.state->impulse_time);
-    if (!obstacle.support) continue;
-    record_force(body.state, int(o), body.state->impulse_time, *obstacle.support);
-    move_to_corners(world, *obstacle.support);
-  }
+  // contact forces on obstacles, holds and tools
+  if (!body.obstacles.empty() || !body.holds.empty()) record_forces(step, world);
   record_tools(body, world, input.to, sample.seconds);
   publish_contacts(body);
-  for (ClothHold& hold : body.holds)
-    hold.force.push_back(hold.is_held ? hold_force_of(body, hold, step.v_before, world) : Vec3d{});
 
   // measurements
   if (input.measure_residual) {

@@ -7,6 +7,7 @@
 #include "turgor/core/timing.hpp"
 #include "turgor/models/lattice/solver/step_kernels.hpp"
 #include "turgor/sim/bodies/cloth/cloth_support.hpp"
+#include "turgor/sim/bodies/lack_of_memory.hpp"
 #include "turgor/sim/bodies/lattice/lattice_body.hpp"
 #include "turgor/sim/bodies/lattice/touch_lattice.hpp"
 #include "turgor/sim/live/exchanges.hpp"
@@ -84,6 +85,7 @@ void step_body(const Exec& exec, LatticeBody& body, World& world, const FrameInp
   // step
   const lattice::StepReport done =
       step_lattice(exec, body, world, inputs, attachments.before(), input.from, input.to);
+  if (body.state.take_lack_of_memory()) body.notes.push_back(note_of_lacking_memory(input.from));
   if (done.finite && stitches.input()) stitches.finish(body.model, body.state->motion, input.to);
   if (done.finite && attachments.input()) attachments.finish(body.state->motion);
   record_balance(world, body, done);
