@@ -145,8 +145,12 @@ void change_needle_layers(const LatticeScene& scene, std::vector<NeedleLayerScen
 }
 
 void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body) {
-  body.has_gravity = scene.has_gravity;
   lattice::Params& params = body.model.params;
+  const lattice::SkinParams skin = params.skin;
+  const bool is_same_motion = body.has_gravity == scene.has_gravity &&
+                              params.solver.sweeps == scene.params.solver.sweeps &&
+                              params.solver.damping == scene.params.solver.damping;
+  body.has_gravity = scene.has_gravity;
   params.solver.sweeps = scene.params.solver.sweeps;
   params.solver.damping = scene.params.solver.damping;
   params.skin.tension_along = scene.params.skin.tension_along;
@@ -161,14 +165,16 @@ void change_body(const Exec& exec, const LatticeScene& scene, LatticeBody& body)
   change_needle_layers(scene, body.layers.layers);
   bool has_changed = change_laws(exec, scene, body);
   if (has_changed) body.stiffness_scale = scene.stiffness_scale;
-  const bool has_pull = !body.model.prestress_force.empty();
-  if (has_pull) body.model.prestress_force = lattice::measure_prestress(exec, body.model);
-  body.state.change().sleep = {};  // wakes all rows
+  if (params.skin != skin && !body.model.prestress_force.empty()) {
+    body.model.prestress_force = lattice::measure_prestress(exec, body.model);
+    body.state.renew_prestress(body.model);
+  }
+  if (!is_same_motion || params.skin != skin) body.state.wake();
   if (scene.stiffness_scale != body.stiffness_scale) {
     lattice::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model, body.state.change());
     body.stiffness_scale = scene.stiffness_scale, has_changed = true;
   }
-  if (has_changed && scene.device == Device::kGpu) upload_changed_model(body);
+  if (has_changed && body.state.has_device()) upload_changed_model(body);
 }
 
 void change_wind(const ClothScene& before, const ClothScene& scene, ClothBody& body) {
@@ -199,7 +205,7 @@ void change_body(const Exec& exec, const ClothScene& scene, ClothBody& body) {
   if (scene.stiffness_scale != body.stiffness_scale)
     cloth::scale_stiffness(scene.stiffness_scale / body.stiffness_scale, body.model);
   body.stiffness_scale = scene.stiffness_scale;
-  if (scene.device == Device::kGpu) upload_changed_model(body);
+  if (body.state.has_device()) upload_changed_model(body);
 }
 
 /// All forces of a linear body scale with its stiffness; the shape under a given press stays. Ticks get the

@@ -42,7 +42,7 @@ Status check_points(const std::vector<Vec3d>& points) {
 const char* why_unstitched(const LatticeBody& body) {
   if (body.model.params.solver.method != lattice::Method::kVbd)
     return "no stitch: stitches need solver.method = \"vbd\", found \"pbd\"";
-  if (body.state.is_on_device()) return "no stitch: stitches need world.device = \"cpu\", found \"gpu\"";
+  if (body.state.has_device()) return "no stitch: stitches need world.device = \"cpu\", found \"gpu\"";
   return nullptr;
 }
 
@@ -134,7 +134,7 @@ Status apply_request(const Exec&, const UndoStitchRequest&, std::shared_ptr<cons
   if (world.sutures.size() <= scene->sutures.size()) return Error{"no undo: there is no stitch by hand"};
   LatticeBody& body = world.lattice_bodies[std::size_t(world.sutures.back().scene.body)];
   remove_suture(body, world.sutures.size() - 1, world.sutures);
-  body.state.change().sleep = {};  // wakes all rows
+  body.state.wake();
   return Done{};
 }
 

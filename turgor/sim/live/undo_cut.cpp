@@ -6,6 +6,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/build/scale_stiffness.hpp"
+#include "turgor/models/lattice/cutting/cut_topology.hpp"
 #include "turgor/sim/world.hpp"
 
 namespace turgor {
@@ -21,6 +22,33 @@ std::size_t bytes_of(const lattice::State& state) {
   return reals * sizeof(Real) + state.cuts.cut.size() + state.cuts.removed.size() +
          state.cuts.edges.size() * sizeof(lattice::CutEdge) +
          state.cut_elements.cells.size() * sizeof(lattice::CutCellElement);
+}
+
+/// Young's moduli of the cells of all cut-cell elements [Pa].
+std::vector<Real> cell_moduli(const lattice::Model& model, const lattice::State& state) {
+  std::vector<Real> moduli;
+  for (const lattice::CutCellElement& element : state.cut_elements.cells)
+    moduli.push_back(model.anatomy.cell_young[std::size_t(element.slot)]);
+  return moduli;
+}
+
+/// Restores the state. Its cut cells and histories have the stiffness of the time of the copy, and its
+/// prestress is that of the skin then; both follow changes since.
+void restore_state(const BeforeCut& before, LatticeBody& body) {
+  lattice::State& state = body.state.change();
+  const double factor = body.stiffness_scale / before.stiffness_scale;
+  const bool has_scale = factor != 1 && body.model.params.tissue == before.tissue;
+  if (has_scale) lattice::scale_stiffness(1 / factor, body.model, state);
+  state = before.state;
+  if (has_scale) lattice::scale_stiffness(factor, body.model, state);
+  if (body.model.params.tissue != before.tissue) {
+    const std::vector<Real> now = cell_moduli(body.model, state);
+    for (std::size_t n = 0; n < now.size(); n++)
+      if (before.cell_moduli[n] > 0) state.cut_elements.cells[n].young *= now[n] / before.cell_moduli[n];
+    state.viscosity = {};
+    state.workspace.coarse.reset();  // its operator has the former moduli
+  }
+  lattice::renew_prestress(body.model, state.cuts, state.cut_elements);
 }
 
 /// Tool contact without the contacts, whose samples a cut renumbers.
@@ -69,6 +97,8 @@ std::shared_ptr<const BeforeCut> state_before_cut(World& world, const LatticeBod
   }
   BeforeCut before{.state = state,
                    .stiffness_scale = body.stiffness_scale,
+                   .tissue = body.model.params.tissue,
+                   .cell_moduli = cell_moduli(body.model, state),
                    .cuts = {},
                    .closures = {},
                    .touch = without_contacts(body.touch)};
@@ -85,12 +115,8 @@ Status undo_last_cut(World& world) {
   if (!before) return Error{"no undo: the state before the cut was too large to keep"};
   LatticeBody& body = world.lattice_bodies[std::size_t(number)];
   const double time = body.state.host().motion.time;
+  restore_state(*before, body);
   lattice::State& state = body.state.change();
-  // cut cells have the stiffness of the time of the copy
-  const double factor = body.stiffness_scale / before->stiffness_scale;
-  if (factor != 1) lattice::scale_stiffness(1 / factor, body.model, state);
-  state = before->state;
-  if (factor != 1) lattice::scale_stiffness(factor, body.model, state);
   state.motion.time = time;
   state.sleep = {};                                                  // wakes all rows
   body.surface_cuts = std::numeric_limits<std::size_t>::max();       // the surface is built again

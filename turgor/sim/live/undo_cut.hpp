@@ -7,6 +7,7 @@
 
 #include "turgor/contact/lattice_touch.hpp"
 #include "turgor/core/result.hpp"
+#include "turgor/models/lattice/model/params.hpp"
 #include "turgor/models/lattice/model/state.hpp"
 #include "turgor/models/lattice/suture/closure.hpp"
 
@@ -24,7 +25,9 @@ struct CutProgress {
 /// A body before a cut, and the progress of all earlier cuts of the world, in their order.
 struct BeforeCut {
   lattice::State state;
-  double stiffness_scale = 1;  // of the body
+  double stiffness_scale = 1;     // of the body
+  lattice::TissueParams tissue;   // of the body
+  std::vector<Real> cell_moduli;  // of the cells of its cut-cell elements [Pa]
   std::vector<CutProgress> cuts;
   std::vector<std::optional<lattice::WoundClosure>> closures;  // of all sutures of the world
   contact::LatticeTouch touch;  // its samples are those of the surface at that time
