@@ -99,19 +99,8 @@ void thin_out(std::span<const Vec3d> x, std::size_t most, SurfaceVertices& of) {
   of = std::move(thin);
 }
 
-/// Error if a body cannot be coupled.
+/// Error if a body cannot be coupled. The reader of scenes has checked solvers and devices.
 Status check_body(const std::string& where, const World& world, BodyId id) {
-  if (id.kind == BodyKind::kLattice) {
-    const LatticeBody& body = world.lattice_bodies[std::size_t(id.index)];
-    if (!body.state.has_device() && body.model.params.solver.method == lattice::Method::kVbd) return Done{};
-    return Error{
-        fmt::format("{}: expected a lattice with solver.method = \"vbd\" and device = \"cpu\", found "
-                    "{}, which cannot be coupled yet",
-                    where, body.name)};
-  }
-  if (id.kind == BodyKind::kCloth && world.cloth_bodies[std::size_t(id.index)].state.has_device())
-    return Error{fmt::format("{}: expected a cloth with device = \"cpu\", found {}, which has no attachments",
-                             where, world.cloth_bodies[std::size_t(id.index)].name)};
   if (id.kind != BodyKind::kSfem) return Done{};
   const SfemBody& body = world.sfem_bodies[std::size_t(id.index)];
   if (!body.facts.on_demand) return Done{};

@@ -1,5 +1,7 @@
 #include "turgor/sim/scene/scene_organs.hpp"
 
+#include <fmt/format.h>
+
 #include "turgor/sim/scene/nearest_name.hpp"
 
 namespace turgor {
@@ -32,6 +34,26 @@ std::optional<BodyId> find_touching_body(SceneTable& table, const toml::node& no
                                "one mesh file touch each other",
                                name));
   return {};
+}
+
+/// Refuses bodies whose solver has no springs and contacts at points of their surface.
+void check_solver(SceneTable& table, const Scene& scene, const std::optional<BodyId>& id) {
+  if (id && id->kind == BodyKind::kCloth) {
+    const ClothScene& cloth = scene.cloth_bodies[std::size_t(id->index)];
+    if (cloth.device == Device::kGpu)
+      table.fail("between",
+                 fmt::format("attachments of {0} need body.{0}.device = \"cpu\", found \"gpu\"", cloth.name));
+  }
+  if (!id || id->kind != BodyKind::kLattice) return;
+  const LatticeScene& lattice = scene.lattice_bodies[std::size_t(id->index)];
+  if (lattice.params.solver.method != lattice::Method::kVbd)
+    table.fail(
+        "between",
+        fmt::format("coupled lattices need solver.method = \"vbd\", found \"pbd\" in body.{}", lattice.name));
+  else if (lattice.device == Device::kGpu)
+    table.fail("between", fmt::format("coupled lattices need world.device = \"cpu\", found \"gpu\", which "
+                                      "steps {}",
+                                      lattice.name));
 }
 
 /// Refuses attachments of cloth at points of a rigid body.
@@ -128,8 +150,10 @@ AttachmentScene read_attachment(SceneTable table, const std::string& name, const
       read_between(table, "the names of two bodies, or of one and `\"ground\"`");
   if (!names.empty()) {
     const std::size_t first = names[0] == kGround ? 1 : 0;
-    made.body = find_body(table, names[first], scene).value_or(BodyId{});
+    const std::optional<BodyId> body = find_body(table, names[first], scene);
+    made.body = body.value_or(BodyId{});
     if (names[1 - first] != kGround) made.other = find_body(table, names[1 - first], scene);
+    check_solver(table, scene, body), check_solver(table, scene, made.other);
   }
   // tied points
   table.read(
@@ -179,6 +203,7 @@ BodyContactScene read_body_contact(SceneTable table, const std::string& name, co
     made.body = body.value_or(BodyId{});
     if (names[1 - first] != kGround) made.other = find_touching_body(table, node, names[1 - first], scene);
     if (body) check_fixed(table, scene, made.body, made.other);
+    check_solver(table, scene, body), check_solver(table, scene, made.other);
   }
   const bool is_ground = !names.empty() && (names[0] == kGround || names[1] == kGround);
   read_ground(table, is_ground, made);
