@@ -140,7 +140,6 @@ std::string residual_warning(const ClothBody& body) {
 
 struct ClothInput {
   const ClothBody& body;
-  Device device;
   std::size_t bytes;
   cloth::SelfDistance self;
   std::vector<double> seconds;  // of steps
@@ -160,7 +159,7 @@ const Quantity<P> kCloth[] = {
     {"mean_edge", kMillimeters, "mean edge", [](const P& p) -> Json { return p.body.model.mean_edge; }},
     {"method", kNone, "solver",
      [](const P& p) -> Json { return method_name(p.body.model.params.solver.method); }},
-    {"device", kNone, "", [](const P& p) -> Json { return p.device == Device::kGpu ? "gpu" : "cpu"; },
+    {"device", kNone, "", [](const P& p) -> Json { return p.body.state.has_device() ? "gpu" : "cpu"; },
      kInReport},
     {"sweeps", kCount, "sweeps", [](const P& p) -> Json { return p.body.model.params.solver.sweeps; }},
     {"law", kNone, "law",
@@ -204,12 +203,11 @@ Json all_items(const Json& report, const char* key) {
 
 }  // namespace
 
-Json report_body(const ReportInput& input, const ClothScene& scene, const ClothBody& body, BodyId) {
+Json report_body(const ReportInput& input, const ClothScene&, const ClothBody& body, BodyId) {
   const World& world = input.world;
 
   // input
   ClothInput cloth{.body = body,
-                   .device = scene.device,
                    .bytes = cloth::memory_bytes(body.model, body.state),
                    .self = cloth::self_distance(input.exec, body.model, body.state),
                    .seconds = {}};

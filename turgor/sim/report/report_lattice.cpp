@@ -87,7 +87,7 @@ const Quantity<LatticeInput> kLattice[] = {
        return l.scene.params.solver.ordering == lattice::Ordering::kColors ? "colors" : "slabs";
      }},
     {"device", kNone, "",
-     [](const LatticeInput& l) -> Json { return l.scene.device == Device::kGpu ? "gpu" : "cpu"; }, kInReport},
+     [](const LatticeInput& l) -> Json { return l.body.state.has_device() ? "gpu" : "cpu"; }, kInReport},
     {"sweeps", kCount, "sweeps", [](const LatticeInput& l) -> Json { return l.scene.params.solver.sweeps; }},
     {"rows_asleep", kNone, "fraction of rows asleep, over the run",
      [](const LatticeInput& l) -> Json {
