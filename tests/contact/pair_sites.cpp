@@ -156,8 +156,19 @@ struct Sheet {
   PairSurface surface(int body) const { return {body, x, x, triangles, {}}; }
 };
 
-// Vertices of the second surface have a site exactly if they are not within 0.3 of an edge of a vertex of the
-// first one that has a site.
+/// Shortest edge of the triangles around a vertex [m].
+double shortest_edge_at(const Sheet& sheet, int vertex) {
+  double shortest = 1;
+  for (const Int3 t : sheet.triangles) {
+    if (t.x != vertex && t.y != vertex && t.z != vertex) continue;
+    const Vec3d a = sheet.x[std::size_t(t.x)], b = sheet.x[std::size_t(t.y)], c = sheet.x[std::size_t(t.z)];
+    shortest = std::min({shortest, norm(b - a), norm(c - b), norm(a - c)});
+  }
+  return shortest;
+}
+
+// Vertices of the second surface have a site exactly if they are not near a vertex of the first one that has
+// a site: within 0.3 of the shortest edge around both.
 TEST(PairSites, NearVertices_HaveOneSite) {
   const Sheet low(20, 0.04, 0, false), high(23, 0.04, 0.4, true);
   const PairParams params{.reach = 5e-4, .deepest = 2e-3, .capacity = 10000};
@@ -175,13 +186,17 @@ TEST(PairSites, NearVertices_HaveOneSite) {
   const std::vector<PairSite> first = from(both, 0), second = from(both, 1), all_second = from(reversed, 1);
   ASSERT_GT(first.size(), 100U);
   // expected sites
-  const double near = 0.3 * std::min(mean_edge(low.x, low.triangles), mean_edge(high.x, high.triangles));
+  const double mean = std::min(mean_edge(low.x, low.triangles), mean_edge(high.x, high.triangles));
   std::vector<int> expected;
   for (const PairSite& site : all_second) {
     Vec3d on;
     for (int c = 0; c < 3; c++) on += low.x[std::size_t(site.b.vertex[c])] * site.b.weight[c];
     bool is_double = false;
-    for (const PairSite& other : first) is_double |= norm(low.x[std::size_t(other.a.vertex.x)] - on) < near;
+    for (const PairSite& other : first) {
+      const double edge =
+          std::min({mean, shortest_edge_at(low, other.a.vertex.x), shortest_edge_at(high, site.a.vertex.x)});
+      is_double |= norm(low.x[std::size_t(other.a.vertex.x)] - on) < 0.3 * edge;
+    }
     if (!is_double) expected.push_back(site.a.vertex.x);
   }
   EXPECT_LT(expected.size(), all_second.size());

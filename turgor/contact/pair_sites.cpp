@@ -2,113 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 
+#include "turgor/contact/facing_point.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
-#include "turgor/core/sort_unique.hpp"
 #include "turgor/geometry/box.hpp"
 
 namespace turgor::contact {
 
 namespace {
 
-constexpr double kSameVertex = 0.3;  // of an edge: sites of both surfaces that are nearer are one
-constexpr double kFacing = -0.4;     // cosine between the normals of surfaces that can touch
-constexpr double kOnSurface = 1e-6;  // of an edge: distance below which the normal is the surface's
-
-/// A surface with what the search needs.
-struct Searched {
-  const PairSurface& surface;
-  std::vector<int> vertices;        // of its triangles, ascending
-  std::vector<Vec3d> normals;       // of every vertex of the mesh, weighted by area
-  std::vector<std::size_t> around;  // first entry of each vertex in `triangles`, and an end
-  std::vector<int> triangles;       // around each vertex, ascending
-  TriangleTree tree;
-  double edge = 0;  // mean [m]
-};
-
-Vec3d area_normal(const PairSurface& surface, Int3 t) {
-  const Vec3d a = surface.x[std::size_t(t.x)];
-  return cross(surface.x[std::size_t(t.y)] - a, surface.x[std::size_t(t.z)] - a);
-}
-
-Searched searched(const PairSurface& surface) {
-  Searched s{.surface = surface, .vertices = {}, .normals = {}, .around = {}, .triangles = {}, .tree = {}};
-  // vertices and their normals
-  s.normals.resize(surface.x.size()), s.around.resize(surface.x.size() + 1);
-  for (const Int3 t : surface.triangles)
-    for (const int v : {t.x, t.y, t.z}) {
-      s.normals[std::size_t(v)] += area_normal(surface, t);
-      s.around[std::size_t(v) + 1]++;
-      s.vertices.push_back(v);
-    }
-  sort_unique(s.vertices);
-  // triangles around each vertex
-  for (std::size_t v = 0; v < surface.x.size(); v++) s.around[v + 1] += s.around[v];
-  std::vector<std::size_t> next(s.around.begin(), s.around.end() - 1);
-  s.triangles.resize(3 * surface.triangles.size());
-  for (std::size_t t = 0; t < surface.triangles.size(); t++)
-    for (int corner = 0; corner < 3; corner++)
-      s.triangles[next[std::size_t(surface.triangles[t][corner])]++] = int(t);
-  s.tree = build_triangle_tree({surface.x.begin(), surface.x.end()},
-                               {surface.triangles.begin(), surface.triangles.end()});
-  s.edge = mean_edge(surface.x, surface.triangles);
-  return s;
-}
-
-/// A vertex and the nearest point of the other surface.
-struct Near {
-  TrianglePoint point;
-  Vec3d normal;       // of the other surface, or toward the vertex
-  double height = 0;  // above the other surface, negative inside [m]
-  bool faces = false;
-};
-
-/// True if a triangle has all corners that carry a point on an edge or a corner.
-bool carries(Int3 t, Int3 of, Vec3d weights) {
-  for (int corner = 0; corner < 3; corner++)
-    if (weights[corner] > 0 && t.x != of[corner] && t.y != of[corner] && t.z != of[corner]) return false;
-  return true;
-}
-
-/// Normal of the triangle at a surface point that faces a direction most. A point on an edge or a corner is
-/// in several triangles.
-Vec3d facing_normal(const Searched& other, const TrianglePoint& point, Vec3d direction) {
-  const Int3 t = other.surface.triangles[std::size_t(point.triangle)];
-  const Vec3d w = point.weights;
-  Vec3d best = normalized(area_normal(other.surface, t));
-  if (w.x > 0 && w.y > 0 && w.z > 0) return best;
-  const auto v = std::size_t(w.x > 0 ? t.x : w.y > 0 ? t.y : t.z);
-  for (std::size_t n = other.around[v]; n < other.around[v + 1]; n++) {
-    const Int3 neighbor = other.surface.triangles[std::size_t(other.triangles[n])];
-    const Vec3d normal = normalized(area_normal(other.surface, neighbor));
-    if (carries(neighbor, t, w) && dot(normal, direction) < dot(best, direction)) best = normal;
-  }
-  return best;
-}
-
-Near nearest(const Searched& other, Vec3d x, Vec3d own_normal) {
-  Near near{.point = nearest_point(other.tree, x), .normal = {}};
-  const Int3 t = other.surface.triangles[std::size_t(near.point.triangle)];
-  // signed height, by the mean normal of the vertices where the point is on an edge
-  const Vec3d w = near.point.weights, own = normalized(own_normal);
-  Vec3d mean = area_normal(other.surface, t);
-  if (!(w.x > 0 && w.y > 0 && w.z > 0)) {
-    mean = {};
-    for (int corner = 0; corner < 3; corner++)
-      mean += normalized(other.normals[std::size_t(t[corner])]) * w[corner];
-  }
-  const Vec3d apart = x - near.point.position;
-  const double sign = dot(apart, mean) < 0 ? -1 : 1;
-  near.height = sign * near.point.distance;
-  // normal along the line between the points where they are apart
-  const Vec3d facing = facing_normal(other, near.point, own);
-  near.normal = near.point.distance > kOnSurface * other.edge ? apart * (sign / near.point.distance) : facing;
-  near.faces = dot(own, near.normal) < kFacing && dot(own, facing) < kFacing;
-  return near;
-}
+constexpr double kSameVertex = 0.3;  // of the shortest edge: sites of both surfaces that are nearer are one
 
 /// Distance that is kept at a vertex or node: less where the surfaces were nearer at rest.
 double kept_distance(std::span<const double> rest_height, int v, double gap) {
@@ -133,17 +40,17 @@ Vec3d position_of(const PairSurface& surface, const SurfacePoint& point) {
 }
 
 /// Sites of the vertices of one surface.
-void add_sites(const Exec& exec, const Searched& from, const Searched& to, const PairParams& params,
-               std::vector<PairSite>& sites) {
+void add_sites(const Exec& exec, const SearchedSurface& from, const SearchedSurface& to,
+               const PairParams& params, std::vector<PairSite>& sites) {
   // nearest points, in parallel
   const Box box = box_around(to.surface.x);
-  std::vector<Near> near(from.vertices.size());
+  std::vector<FacingPoint> near(from.vertices.size());
   parallel_for(
       exec, near.size(),
       [&](std::size_t n) {
         const Vec3d x = from.surface.x[std::size_t(from.vertices[n])];
         if (squared_distance(box, x) <= params.reach * params.reach)
-          near[n] = nearest(to, x, from.normals[std::size_t(from.vertices[n])]);
+          near[n] = facing_point(to, x, from, from.vertices[n]);
       },
       64);
   // sites in the order of the vertices
@@ -167,16 +74,17 @@ void add_sites(const Exec& exec, const Searched& from, const Searched& to, const
 }
 
 /// Nearest points of the second surface of all nodes within reach.
-std::vector<Near> nearest_of_nodes(const Exec& exec, const SurfaceNodes& nodes, const Searched& own,
-                                   const Searched& other, double reach) {
+std::vector<FacingPoint> nearest_of_nodes(const Exec& exec, const SurfaceNodes& nodes,
+                                          const SearchedSurface& own, const SearchedSurface& other,
+                                          double reach) {
   const Box box = box_around(other.surface.x);
-  std::vector<Near> near(nodes.x.size());
+  std::vector<FacingPoint> near(nodes.x.size());
   parallel_for(
       exec, near.size(),
       [&](std::size_t n) {
         const Vec3d normal = own.normals[std::size_t(nodes.vertex[n])];
         if (normal != Vec3d{} && squared_distance(box, nodes.x[n]) <= reach * reach)
-          near[n] = nearest(other, nodes.x[n], normal);
+          near[n] = facing_point(other, nodes.x[n], own, nodes.vertex[n]);
       },
       64);
   return near;
@@ -211,26 +119,49 @@ PairSites continued_nodes(std::vector<PairSite> sites, std::span<const PairSite>
   return found;
 }
 
+/// Shortest edge of the triangles around a vertex [m].
+double shortest_edge(const SearchedSurface& surface, int vertex) {
+  double shortest = std::numeric_limits<double>::infinity();
+  const auto v = std::size_t(vertex);
+  for (std::size_t n = surface.around[v]; n < surface.around[v + 1]; n++) {
+    const Int3 t = surface.surface.triangles[std::size_t(surface.triangles[n])];
+    for (int corner = 0; corner < 3; corner++)
+      shortest = std::min(shortest, norm(surface.surface.x[std::size_t(t[corner])] -
+                                         surface.surface.x[std::size_t(t[(corner + 1) % 3])]));
+  }
+  return shortest;
+}
+
 /// Removes sites of the second surface that meet a vertex of the first, which has a site itself.
-void remove_doubles(const std::array<PairSurface, 2>& surfaces, double edge, std::size_t first_count,
+void remove_doubles(const SearchedSurface& first, const SearchedSurface& second, std::size_t first_count,
                     std::vector<PairSite>& sites) {
   constexpr double kWider = 1 + 1e-9;  // window of the search, against rounding
   if (first_count == 0) return;
   // vertices of the first, sorted along the longest side of their box
-  std::vector<Vec3d> first;
-  for (std::size_t s = 0; s < first_count; s++) first.push_back(position_of(surfaces[0], sites[s].a));
-  const Box box = box_around(first);
+  struct Vertex {
+    Vec3d x;
+    double edge = 0;  // shortest [m]
+  };
+  const double mean = std::min(first.edge, second.edge);
+  std::vector<Vec3d> points;
+  std::vector<Vertex> vertices;
+  for (std::size_t s = 0; s < first_count; s++) {
+    points.push_back(position_of(first.surface, sites[s].a));
+    vertices.push_back({points.back(), std::min(mean, shortest_edge(first, sites[s].a.vertex.x))});
+  }
+  const Box box = box_around(points);
   const Vec3d side = box.high - box.low;
   const int axis = side.x >= side.y && side.x >= side.z ? 0 : side.y >= side.z ? 1 : 2;
-  std::sort(first.begin(), first.end(), [axis](Vec3d a, Vec3d b) { return a[axis] < b[axis]; });
+  std::sort(vertices.begin(), vertices.end(),
+            [axis](const Vertex& a, const Vertex& b) { return a.x[axis] < b.x[axis]; });
   // sites of the second near one of them
-  const double near = kSameVertex * edge;
   const auto is_double = [&](const PairSite& site) {
-    const Vec3d x = position_of(surfaces[0], site.b);
-    auto other = std::partition_point(first.begin(), first.end(),
-                                      [&](Vec3d v) { return v[axis] < x[axis] - kWider * near; });
-    for (; other != first.end() && (*other)[axis] <= x[axis] + kWider * near; ++other)
-      if (norm(*other - x) < near) return true;
+    const Vec3d x = position_of(first.surface, site.b);
+    const double edge = shortest_edge(second, site.a.vertex.x), far = kWider * kSameVertex * mean;
+    auto other = std::partition_point(vertices.begin(), vertices.end(),
+                                      [&](const Vertex& v) { return v.x[axis] < x[axis] - far; });
+    for (; other != vertices.end() && other->x[axis] <= x[axis] + far; ++other)
+      if (norm(other->x - x) < kSameVertex * std::min(edge, other->edge)) return true;
     return false;
   };
   sites.erase(std::remove_if(sites.begin() + std::ptrdiff_t(first_count), sites.end(), is_double),
@@ -280,13 +211,13 @@ PairSites find_pair_sites(const Exec& exec, const std::array<PairSurface, 2>& su
                           const PairParams& params, std::span<const PairSite> last) {
   if (surfaces[0].round || surfaces[1].round)
     return chosen_sites(find_round_sites(surfaces, params), params, last);
-  const Searched first = searched(surfaces[0]), second = searched(surfaces[1]);
+  const SearchedSurface first = searched_surface(surfaces[0]), second = searched_surface(surfaces[1]);
   // both directions
   std::vector<PairSite> sites;
   add_sites(exec, first, second, params, sites);
   const std::size_t first_count = sites.size();
   add_sites(exec, second, first, params, sites);
-  remove_doubles(surfaces, std::min(first.edge, second.edge), first_count, sites);
+  remove_doubles(first, second, first_count, sites);
   // sharp edges
   const std::vector<PairSite> crossings = find_edge_sites(surfaces, params, last);
   sites.insert(sites.end(), crossings.begin(), crossings.end());
@@ -302,8 +233,8 @@ PairSites find_node_sites(const Exec& exec, const SurfaceNodes& nodes,
                           const std::array<PairSurface, 2>& surfaces, const PairParams& params,
                           std::span<const PairSite> last) {
   if (surfaces[1].round) return continued_nodes(find_round_node_sites(nodes, surfaces, params), last);
-  const Searched own = searched(surfaces[0]), other = searched(surfaces[1]);
-  const std::vector<Near> near = nearest_of_nodes(exec, nodes, own, other, params.reach);
+  const SearchedSurface own = searched_surface(surfaces[0]), other = searched_surface(surfaces[1]);
+  const std::vector<FacingPoint> near = nearest_of_nodes(exec, nodes, own, other, params.reach);
   std::vector<PairSite> sites;
   for (std::size_t n = 0; n < near.size(); n++) {
     if (!near[n].faces || near[n].height < -params.deepest) continue;
@@ -331,9 +262,9 @@ PairSites find_node_sites(const SurfaceNodes& nodes, int index, const GroundPlan
 
 std::vector<double> rest_heights(const Exec& exec, const SurfaceNodes& nodes,
                                  const std::array<PairSurface, 2>& surfaces, const PairParams& params) {
-  const Searched own = searched(surfaces[0]), other = searched(surfaces[1]);
+  const SearchedSurface own = searched_surface(surfaces[0]), other = searched_surface(surfaces[1]);
   std::vector<double> heights;
-  for (const Near& near : nearest_of_nodes(exec, nodes, own, other, params.reach + params.deepest))
+  for (const FacingPoint& near : nearest_of_nodes(exec, nodes, own, other, params.reach + params.deepest))
     heights.push_back(near.faces && near.height >= -params.deepest ? std::min(params.reach, near.height)
                                                                    : params.reach);
   return heights;
@@ -341,13 +272,13 @@ std::vector<double> rest_heights(const Exec& exec, const SurfaceNodes& nodes,
 
 std::vector<double> rest_heights(const Exec& exec, const PairSurface& of, const PairSurface& above,
                                  double reach, double deepest) {
-  const Searched from = searched(of), to = searched(above);
+  const SearchedSurface from = searched_surface(of), to = searched_surface(above);
   std::vector<double> heights(of.x.size(), reach);
   parallel_for(
       exec, from.vertices.size(),
       [&](std::size_t n) {
         const auto v = std::size_t(from.vertices[n]);
-        const Near near = nearest(to, of.x[v], from.normals[v]);
+        const FacingPoint near = facing_point(to, of.x[v], from, from.vertices[n]);
         if (near.faces && near.height >= -deepest) heights[v] = std::min(reach, near.height);
       },
       64);
