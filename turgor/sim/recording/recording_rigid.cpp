@@ -1,10 +1,12 @@
-// Snapshots of rigid bodies: the surface at rest and the motion, so that a replay needs no file of the scene.
+// Snapshots of rigid bodies: the surface at rest, the motion and the tools, so that a replay needs no file of
+// the scene.
 #include <fmt/format.h>
 
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/sim/bodies/rigid/rigid_body.hpp"
 #include "turgor/sim/recording/recording_arrays.hpp"
+#include "turgor/sim/recording/recording_touch.hpp"
 
 namespace turgor {
 
@@ -18,22 +20,23 @@ std::string group_of(const std::string& snapshot, const RigidBody& body) {
 
 }  // namespace
 
-Status write_state(const SnapshotOut& out, const RigidBody& body, BodyId) {
+Status write_state(const SnapshotOut& out, const RigidBody& body, BodyId id) {
   const auto& [center, rotation, velocity, momentum] = body.state;
   const Vec3d rest = body.model.mass.center;
   std::vector<float> x;
   std::vector<int> triangles;
   for (const Vec3 v : body.drawn.vertices) x.insert(x.end(), {v.x, v.y, v.z});
   for (const Int3 t : body.drawn.triangles) triangles.insert(triangles.end(), {t.x, t.y, t.z});
-  return Writing(out.file, group_of(out.group, body))
-      .array<float>("rest", x, 3, "m")
-      .array<int>("triangles", triangles, 3)
-      .array<double>("rest_center", {rest.x, rest.y, rest.z}, 1, "m")
-      .array<double>("center", {center.x, center.y, center.z}, 1, "m")
-      .array<double>("rotation", {rotation[0], rotation[1], rotation[2], rotation[3]})
-      .array<double>("velocity", {velocity.x, velocity.y, velocity.z}, 1, "m/s")
-      .array<double>("momentum", {momentum.x, momentum.y, momentum.z}, 1, "kg m²/s")
-      .status();
+  const Status status = Writing(out.file, group_of(out.group, body))
+                            .array<float>("rest", x, 3, "m")
+                            .array<int>("triangles", triangles, 3)
+                            .array<double>("rest_center", {rest.x, rest.y, rest.z}, 1, "m")
+                            .array<double>("center", {center.x, center.y, center.z}, 1, "m")
+                            .array<double>("rotation", {rotation[0], rotation[1], rotation[2], rotation[3]})
+                            .array<double>("velocity", {velocity.x, velocity.y, velocity.z}, 1, "m/s")
+                            .array<double>("momentum", {momentum.x, momentum.y, momentum.z}, 1, "kg m²/s")
+                            .status();
+  return status ? write_tools(out, body, id) : status;
 }
 
 Status read_state(const SnapshotIn& in, RigidBody& body, BodyId id) {
@@ -59,6 +62,10 @@ Status read_state(const SnapshotIn& in, RigidBody& body, BodyId id) {
   if (!all_indices(body.drawn.triangles, body.drawn.vertices.size()))
     reading.fail("triangles", "expected indices of its vertices");
   if (!reading.status()) return reading.status();
+  // tools and snapshot
+  BodySnapshot none;
+  if (!body.tool_indices.empty())
+    if (const Status tools = read_tools(in, body, none); !tools) return tools;
   show(in.exec, body, body_snapshot(in.snapshot, id));
   return Done{};
 }
