@@ -1,5 +1,7 @@
 #include "turgor/sim/bodies/sfem/make_body.hpp"
 
+#include <array>
+#include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
@@ -31,6 +33,39 @@ TEST(MakeBody, BoxFixesContainedNodes) {
   held.box = {{{0, 0, 0}, {1, 0.001, 1}}};
   held.by_fraction = true;
   EXPECT_EQ(held_count(held), 11 * 6);
+}
+
+// A depth of whole layers fixes exactly these, on every side, however the coordinates are rounded.
+TEST(MakeBody, OppositeSidesFixEqualLayers) {
+  constexpr std::array<Side, 6> kSides{Side::kRight, Side::kLeft, Side::kFront,
+                                       Side::kBack,  Side::kFeet, Side::kHead};
+  for (const Vec3d corner : {Vec3d{}, Vec3d{-0.05, 0.0123, 1.7}, Vec3d{0.31, -0.2, -0.004}})
+    for (const double spacing : {0.01, 0.0033, 0.0007})
+      for (int layers = 2; layers <= 11; layers++) {
+        std::vector<Vec3d> points;
+        for (int n = 0; n <= layers; n++)
+          for (int side = 0; side < 9; side++) {
+            const double t = n * spacing;
+            const double u = (side % 3) * layers * spacing / 2, v = (side / 3) * layers * spacing / 2;
+            for (const Vec3d x : {Vec3d{t, u, v}, Vec3d{u, t, v}, Vec3d{u, v, t}})
+              points.push_back(corner + x);
+          }
+        for (const Side side : kSides)
+          for (int held = 1; held < layers; held++) {
+            const double depth = double(held) / layers;
+            // the layers, and points of the other two axes at the side, the middle and the opposite side
+            const int axis = int(side) / 2;
+            const bool is_high = int(side) % 2 == 1;
+            int expected = 0;
+            for (std::size_t p = 0; p < points.size(); p++) {
+              const double from = (points[p] - corner)[axis] / spacing;
+              expected += std::lround(2 * (is_high ? layers - from : from)) <= 2 * held;
+            }
+            const std::vector<std::uint8_t> fixed = held_points(points, {.sides = {side}, .depth = depth});
+            EXPECT_EQ(std::accumulate(fixed.begin(), fixed.end(), 0), expected)
+                << "side " << int(side) << ", " << held << " of " << layers << " layers of " << spacing;
+          }
+      }
 }
 
 // Labels and spheres become materials of the body.

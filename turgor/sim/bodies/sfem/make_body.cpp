@@ -17,18 +17,19 @@ namespace {
 
 Vec3d in_box(const Box& box, Vec3d fraction) { return box.low + hadamard(fraction, box.high - box.low); }
 
-bool is_inside(const Box& box, Vec3d x) {
+/// True if a point is in a box, or outside of it by no more than a slack for rounding.
+bool is_inside(const Box& box, Vec3d x, Vec3d slack) {
   for (int axis = 0; axis < 3; axis++)
-    if (x[axis] < box.low[axis] || x[axis] > box.high[axis]) return false;
+    if (x[axis] < box.low[axis] - slack[axis] || x[axis] > box.high[axis] + slack[axis]) return false;
   return true;
 }
 
-/// Slab of a box near one of its sides, with a tolerance for points on the side.
+/// Slab of a box near one of its sides.
 Box near_side(Box box, Side side, double depth) {
   TURGOR_CHECK(is_index(int(side), 6), "a box has six sides");
   const int axis = int(side) / 2;
   const bool high = int(side) % 2 == 1;
-  const double extent = box.high[axis] - box.low[axis], reach = extent * std::max(depth, 1e-9);
+  const double extent = box.high[axis] - box.low[axis], reach = extent * depth;
   if (high)
     box.low[axis] = box.high[axis] - reach;
   else
@@ -98,7 +99,9 @@ std::size_t corner_count(const SolidMesh& mesh) {
 }  // namespace
 
 std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldBy& held) {
+  constexpr double kSlack = 1e-6;  // of the body's extent: layers of vertices have rounded coordinates
   const Box box = box_around(points);
+  const Vec3d slack = (box.high - box.low) * kSlack;
   std::vector<Box> holders;
   if (held.box) {
     holders.push_back(holding_box(box, held));
@@ -108,7 +111,7 @@ std::vector<std::uint8_t> held_points(std::span<const Vec3d> points, const HeldB
   std::vector<std::uint8_t> fixed(points.size(), 0);
   for (std::size_t v = 0; v < fixed.size(); v++)
     fixed[v] = std::any_of(holders.begin(), holders.end(),
-                           [&](const Box& holder) { return is_inside(holder, points[v]); });
+                           [&](const Box& holder) { return is_inside(holder, points[v], slack); });
   return fixed;
 }
 
