@@ -119,12 +119,14 @@ void read_pull(SceneTable& table, const Scene& scene, SutureScene& suture) {
   table.read("start", suture.pull.start, not_negative("s"), {"start of the pull", "end of the cut"});
   table.read("duration", suture.pull.duration, inside(0, 3600, "s"),
              "duration of the pull to the tension, or to the length of the stitch in the CT");
-  if (suture.pull.start < cut)
+  constexpr double kRounding = 1e-9;  // [s]
+  if (suture.pull.start < cut - kRounding)
     table.fail("start", fmt::format("the stitches start at {} s, before the end of the cut at {} s",
                                     suture.pull.start, cut));
   else if (suture.pull.start >= scene.duration)
     table.fail("start", fmt::format("the stitches start at {} s, after the end of the run at {} s",
                                     suture.pull.start, scene.duration));
+  suture.pull.start = std::max(suture.pull.start, cut);
 }
 
 }  // namespace

@@ -229,6 +229,10 @@ TEST(Suture, WrongScenesAreRefused) {
   EXPECT_TRUE(
       contains(error("", {"incision.cut.width=0.01"}), "stitches close a cut, found a removed region"));
   EXPECT_TRUE(contains(error("start = 0.06\n"), "before the end of the cut at 0.1 s"));
+  // 0.2 + 0.1 is rounded up
+  EXPECT_EQ(
+      error("start = 0.3\n", {"incision.cut.start=0.2", "incision.cut.duration=0.1", "world.duration=1"}),
+      "no error");
   EXPECT_TRUE(contains(error("start = 9\n"), "after the end of the run"));
   EXPECT_TRUE(contains(error("tension = 1\npull_until = \"closed\"\n"), "not both"));
   EXPECT_TRUE(contains(error("through = [[0, 0, 0]]\n"), "two to 64 points"));
