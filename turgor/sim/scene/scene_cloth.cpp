@@ -230,6 +230,9 @@ HoldScene read_hold(SceneTable table, const std::string& name) {
   // time and path
   table.read("start", hold.start, not_negative("s"), "time of grasping");
   table.read("end", hold.end, positive("s"), "time of release");
+  if (hold.end <= hold.start)
+    table.fail("end",
+               fmt::format("expected a time after the start at {} s, found {} s", hold.start, hold.end));
   hold.path = read_rows(table, "path", "rows [t, x, y, z] of displacements, ascending [s] [m]", "s, m",
                         "`[[t, x, y, z], …]`: displacements; without it the vertices stay fixed");
   table.finish();

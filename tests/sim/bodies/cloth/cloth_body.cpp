@@ -74,6 +74,9 @@ TEST(ClothBody, ErrorsNameSourceLocation) {
                 .find("hold.pole: no vertex of the cloth is in the box; the body is between (0, 0, 1) m and "
                       "(0.3, 0, 1.2) m; its nearest point, (0.3, 0, 1.2) m, is"),
             std::string::npos);
+  EXPECT_NE(error_of({"body.flag.hold.pole.start=0.5", "body.flag.hold.pole.end=0.2"})
+                .find("body.flag.hold.pole.end: expected a time after the start at 0.5 s, found 0.2 s"),
+            std::string::npos);
   EXPECT_NE(
       error_of({"body.flag.hold.pole.vertices=[999]"}).find("expected vertices from 0 to 175, found 999"),
       std::string::npos);
