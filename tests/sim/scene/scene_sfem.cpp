@@ -158,6 +158,13 @@ TEST(SceneSfem, ErrorsNameLocation) {
         << c.text << "\nfound:    " << error_of(c.text) << "\nexpected: " << c.words;
 }
 
+// A tool with two motions is refused for that reason alone; neither key is called unknown.
+TEST(SceneSfem, TwoMotions_AreRefusedOnce) {
+  const std::string message = error_of(
+      tool("body = \"b\"\nshape = { sphere = 1 }\npress = { at = [0, 0, 0] }\npath = [[0, 0, 0, 0]]"));
+  EXPECT_EQ(message, "s.toml:9:9: tool.t.press: a tool has either a path or a press, not both");
+}
+
 // A scene chooses a cache below the user's cache folder only; an override may choose any folder.
 TEST(SceneSfem, CacheStaysBelowUsersFolder) {
   const std::filesystem::path user = std::filesystem::weakly_canonical(user_cache_folder());

@@ -248,7 +248,7 @@ ToolMotion read_motion(SceneTable& tool) {
   tool.require(kinds, "how the tool moves");
   std::string given;
   for (const std::string& kind : kinds) {
-    if (!tool.has(kind)) continue;
+    if (!tool.find(kind)) continue;
     if (!given.empty()) tool.fail(kind, fmt::format("a tool has either a {} or a {}, not both", given, kind));
     given = given.empty() ? kind : given;
   }
