@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -254,6 +255,43 @@ Section cloth_section() {
           true};
 }
 
+namespace {
+
+/// Weight of a rigid body or a body of finite elements that nothing fixes [N]; 0 for other bodies.
+double free_weight(const World& world, BodyId id) {
+  const double g = norm(world.gravity);
+  const auto n = std::size_t(id.index);
+  if (id.kind == BodyKind::kRigid) {
+    const RigidBody& body = world.rigid_bodies[n];
+    return body.model.is_fixed ? 0 : g * body.model.mass.mass;
+  }
+  if (id.kind != BodyKind::kSfem || !world.sfem_bodies[n].flight) return 0;
+  const std::vector<double>& mass = world.sfem_bodies[n].model.mass;
+  return g * std::accumulate(mass.begin(), mass.end(), 0.0);
+}
+
+/// Warning of cloth that bears a free body; empty if none does. The force of the cloth acts on the body
+/// relaxed, thus late, which gives it energy.
+std::string borne_body_warning(const World& world, const ClothBody& body, const ClothObstacle& obstacle) {
+  constexpr int kFrames = 3;  // that a body is lifted by more than half of its weight
+  if (!obstacle.support) return "";
+  const double weight = free_weight(world, obstacle.support->body);
+  if (!(weight > 0)) return "";
+  const Vec3d up = -normalized(world.gravity);
+  double most = 0;
+  int frames = 0;
+  for (const Vec3d force : obstacle.force)
+    most = std::max(most, dot(force, up)), frames += dot(force, up) > weight / 2;
+  if (frames < kFrames) return "";
+  return fmt::format(
+      "{}: obstacle.{}: the cloth bears a body that nothing fixes (up to {:.3g} N, its weight is {:.3g} N). "
+      "Such a "
+      "body may be thrown or fall through; expected a fixed body, or one that lies on something else",
+      body.name, obstacle.name, most, weight);
+}
+
+}  // namespace
+
 std::vector<std::string> cloth_warnings(const World& world) {
   std::vector<std::string> warnings;
   for (const ClothBody& body : world.cloth_bodies) {
@@ -263,6 +301,9 @@ std::vector<std::string> cloth_warnings(const World& world) {
         warnings.push_back(
             fmt::format("{}: hold.{}: no vertex of the cloth was in its ball at {} s: the hold is empty; {}",
                         body.name, hold.scene.name, hold.scene.start, hold.missed));
+    for (const ClothObstacle& obstacle : body.obstacles)
+      if (const std::string warning = borne_body_warning(world, body, obstacle); !warning.empty())
+        warnings.push_back(warning);
   }
   return warnings;
 }
