@@ -17,7 +17,8 @@ double time_of(const LiveTicks& ticks) { return ticks.start_time + double(ticks.
 /// button is held.
 contact::ToolCommand command_of(const LiveTicks& ticks, const TickedTool& ticked, TouchingTool& tool,
                                 std::span<const contact::ToolCommand> hands) {
-  if (ticked.hand < 0 || (ticked.is_driven && !*ticked.is_driven)) return next_command(tool, ticks.path_time);
+  if (ticked.hand < 0 || (ticked.is_driven && !*ticked.is_driven))
+    return next_command(tool, ticks.path_time, ticks.step);
   TURGOR_CHECK(is_index(ticked.hand, hands.size()), "a held tool has a hand");
   contact::ToolCommand command = hands[std::size_t(ticked.hand)];
   if (!ticked.has_grip)

@@ -10,10 +10,9 @@ contact::ToolCommand command_at(const TouchingTool& tool, double time) {
   return {.pose = {row.position, axes_of(row.orientation)}, .grip = tool.grip, .hold = row.hold};
 }
 
-contact::ToolCommand next_command(TouchingTool& tool, double time) {
+contact::ToolCommand next_command(TouchingTool& tool, double time, double dt) {
   contact::ToolCommand command = command_at(tool, time);
-  if (tool.hand.empty())
-    command.grip = contact::next_grip(tool.grip, command.hold, holding_time(tool), kTick);
+  if (tool.hand.empty()) command.grip = contact::next_grip(tool.grip, command.hold, holding_time(tool), dt);
   tool.grip = command.grip;
   TURGOR_CHECK(command.grip >= 0 && command.grip <= 1, "a grip is from 0, open, to 1, closed");
   return command;

@@ -50,8 +50,8 @@ struct TouchingTool {
 
 /// Command at a time from the path or the hand motion, with the present jaws.
 contact::ToolCommand command_at(const TouchingTool& tool, double time);
-/// The same for the tick that ends at a time, with the jaws after that tick.
-contact::ToolCommand next_command(TouchingTool& tool, double time);
+/// The same for the tick of `dt` seconds that ends at a time, with the jaws after that tick.
+contact::ToolCommand next_command(TouchingTool& tool, double time, double dt);
 /// Duration of a grasp, with or without jaws [s].
 double holding_time(const TouchingTool& tool);
 

@@ -27,7 +27,7 @@ struct LiveHand {
     std::vector<contact::ToolReading> readings(1);
     Vec3d before;
     for (long i = 1; double(i) * kTick <= end; i++) {
-      const contact::ToolCommand command = next_command(tool, double(i) * kTick);
+      const contact::ToolCommand command = next_command(tool, double(i) * kTick, kTick);
       contact::tick_with_exchange(touch, exchange, std::span(&command, 1), kTick, readings);
       log.append(sample_of(double(i) * kTick, command, readings[0]));
       if (i > 1) steepest = std::max(steepest, norm(readings[0].force - before));

@@ -202,7 +202,7 @@ void touch_body(RhombusBody& body, std::vector<TouchingTool>& tools, double from
   for (long tick = first; tick <= last; tick++) {
     const double time = double(tick) * kTick;
     // one tick for all tools
-    for (std::size_t t = 0; t < commands.size(); t++) commands[t] = next_command(tool_of(t), time);
+    for (std::size_t t = 0; t < commands.size(); t++) commands[t] = next_command(tool_of(t), time, kTick);
     const Timer timer;
     contact::tick_rhombus_touch(body.model, body.touch, commands, kTick, readings);
     const double seconds = timer.seconds();

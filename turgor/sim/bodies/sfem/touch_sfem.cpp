@@ -87,7 +87,7 @@ void touch_body(const Exec& exec, SfemBody& body, std::vector<TouchingTool>& too
   // commands
   for (long tick = first; tick <= last; tick++) {
     const double time = double(tick) * kTick;
-    for (std::size_t t = 0; t < commands.size(); t++) commands[t] = next_command(tool_of(t), time);
+    for (std::size_t t = 0; t < commands.size(); t++) commands[t] = next_command(tool_of(t), time, kTick);
 
     // patch
     bool new_patch = false;
