@@ -159,14 +159,19 @@ TEST(Swept, StiffHangingBlock_FewSweepsBearWeight) {
   }
 }
 
+/// A block that springs with these keys hold to the ground, at its top.
+World hanging_block(const Exec& exec, const std::string& keys) {
+  return blocks_world(exec, {{"block", -0.055}},
+                      world_text("[0, -9.81, 0]") + lattice_text("block", "none") +
+                          "[attachment.glue]\nbetween = [\"block\", \"ground\"]\nbox = [[-1, -0.026, -1], "
+                          "[1, -0.02, 1]]\n" +
+                          keys);
+}
+
 // Many springs, which bear ten times their strength, all tear within a few frames.
 TEST(Swept, OverloadedAttachment_TearsAtOnce) {
   const Exec exec(2);
-  World world =
-      blocks_world(exec, {{"block", -0.055}},
-                   world_text("[0, -9.81, 0]") + lattice_text("block", "none") +
-                       "[attachment.glue]\nbetween = [\"block\", \"ground\"]\nbox = [[-1, -0.026, -1], "
-                       "[1, -0.02, 1]]\nstiffness = 5000\npoints = 60\n");
+  World world = hanging_block(exec, "stiffness = 5000\npoints = 60\n");
   const std::vector<contact::Tie>& ties = world.coupling.attachments[0].ties;
   ASSERT_GT(ties.size(), 40u);
   advance(exec, world, 90);
@@ -181,11 +186,7 @@ TEST(Swept, OverloadedAttachment_TearsAtOnce) {
 // Springs that are too weak for the block tear, and it falls.
 TEST(Swept, WeakAttachment_Tears) {
   const Exec exec(2);
-  World world =
-      blocks_world(exec, {{"block", -0.055}},
-                   world_text("[0, -9.81, 0]") + lattice_text("block", "none") +
-                       "[attachment.glue]\nbetween = [\"block\", \"ground\"]\nbox = [[-1, -0.026, -1], "
-                       "[1, -0.02, 1]]\nstiffness = 500\npoints = 8\nbreak_force = 0.4\n");
+  World world = hanging_block(exec, "stiffness = 500\npoints = 8\nbreak_force = 0.4\n");
   advance(exec, world, 60);
   for (const contact::Tie& tie : world.coupling.attachments[0].ties) EXPECT_TRUE(tie.broken);
   EXPECT_GT(world.coupling.attachments[0].torn_at, 0);

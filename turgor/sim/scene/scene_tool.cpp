@@ -275,8 +275,7 @@ void read_device(SceneTable& tool, std::string& device) {
   for (const haptics::DevicePreset& preset : haptics::device_presets()) names.emplace_back(preset.name);
   static const std::string meaning = fmt::format(
       "haptic device whose limits of force and stiffness apply with `--real-time`, that of the workspace "
-      "only "
-      "to a simulated hand, and which the report compares with the tool's forces: `\"{}\"`",
+      "only to a simulated hand, and which the report compares with the tool's forces: `\"{}\"`",
       fmt::join(names, "\"`, `\""));
   tool.read_choice("device", device, names, {meaning.c_str(), "none"});
 }
