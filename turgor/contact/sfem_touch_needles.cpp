@@ -86,7 +86,9 @@ void take_inner(SfemTouch& touch, const std::shared_ptr<const sfem::InnerGreen>&
       NeedleTrack& track = needle.tracks[n];
       if (renumber(*touch.needles.inner, *inner, track)) continue;
       track.points.clear(), track.length = 0;
-      if (int(n) == needle.track) needle.phase = NeedlePhase::kOutside, needle.inserted = 0;
+      if (int(n) != needle.track) continue;
+      needle.phase = NeedlePhase::kOutside, needle.inserted = 0, needle.tip_force = 0;
+      needle.beam = {}, needle.carried_points = 0;
     }
     renumber_motion(*touch.needles.inner, *inner, to.empty() ? std::span<const Vec3d>() : to[t], needle);
     needle.force_on_vertex.assign(vertices, {});
