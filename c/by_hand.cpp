@@ -22,16 +22,6 @@ tg_stitch default_stitch() {
   return stitch;
 }
 
-/// Writes defaults to the caller's struct of `size` bytes; bytes beyond the known struct become 0.
-template <class T>
-void fill_defaults(const T& defaults, T* out, std::size_t size) {
-  expect(out != nullptr, "expected a struct, found null");
-  expect(size >= sizeof size && size < (std::size_t(1) << 16), "expected the size of a struct");
-  std::memset(static_cast<void*>(out), 0, size);
-  std::memcpy(static_cast<void*>(out), &size, sizeof size);
-  fill(defaults, out);
-}
-
 std::vector<Vec3d> points_of(const double* points, std::size_t count) {
   constexpr std::size_t kMost = 1 << 20;
   expect(count < kMost, "expected a number of points below a million");

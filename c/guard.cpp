@@ -1,6 +1,7 @@
 #include "c/guard.hpp"
 
 #include <cstdio>
+#include <cstring>
 
 #include "turgor/core/assert.hpp"
 
@@ -19,7 +20,11 @@ void throw_broken(const char* file, int line, const char* sentence, const char* 
 }  // namespace
 
 void set_error(const char* sentence) noexcept {
-  std::snprintf(error_of_thread, sizeof error_of_thread, "%s", sentence);
+  std::size_t size = strnlen(sentence, sizeof error_of_thread - 1);
+  // a longer sentence ends with a whole character of UTF-8
+  while (size > 0 && (sentence[size] & 0xc0) == 0x80) size--;
+  std::memcpy(error_of_thread, sentence, size);
+  error_of_thread[size] = '\0';
 }
 
 const char* current_error() noexcept { return error_of_thread; }

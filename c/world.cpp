@@ -134,13 +134,7 @@ tg_status tg_check_version(uint32_t header) {
 const char* tg_error(void) { return current_error(); }
 
 tg_status tg_default_world_def(tg_world_def* def, size_t size) {
-  return guarded([=] {
-    expect(def != nullptr, "expected a definition, found null");
-    expect(size >= sizeof size, "expected the size of a definition");
-    std::memset(static_cast<void*>(def), 0, size);
-    std::memcpy(static_cast<void*>(def), &size, sizeof size);
-    fill(default_def(), def);
-  });
+  return guarded([=] { fill_defaults(default_def(), def, size); });
 }
 
 tg_status tg_world_create(const tg_world_def* given, tg_world** world) {

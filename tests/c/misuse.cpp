@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <new>
 #include <random>
 #include <string>
@@ -15,6 +16,7 @@
 #include "c/guard.hpp"
 #include "tests/c/owned_world.hpp"
 #include "turgor/core/assert.hpp"
+#include "turgor/core/plain_text.hpp"
 
 namespace turgor {
 namespace {
@@ -118,6 +120,29 @@ TEST(CMisuse, RejectsThreadsOutOfRange) {
     EXPECT_EQ(world, nullptr);
     EXPECT_EQ(std::string(tg_error()),
               fmt::format("expected a number of threads from 0 (one per core) to 1024, found {}", threads));
+  }
+}
+
+// A size that no struct has is the caller's error, and nothing is written.
+TEST(CMisuse, RejectsSizesThatNoStructHas) {
+  for (const std::size_t size :
+       {std::size_t(0), std::size_t(7), std::size_t(1) << 16, std::size_t(1) << 18}) {
+    std::vector<std::uint64_t> memory(std::size_t(1) << 15, 9);
+    void* const any = memory.data();
+    EXPECT_EQ(tg_default_world_def(static_cast<tg_world_def*>(any), size), TG_MISUSE) << size;
+    EXPECT_EQ(tg_default_cut(static_cast<tg_cut*>(any), size), TG_MISUSE) << size;
+    EXPECT_EQ(tg_default_stitch(static_cast<tg_stitch*>(any), size), TG_MISUSE) << size;
+    EXPECT_EQ(memory, std::vector<std::uint64_t>(std::size_t(1) << 15, 9)) << size;
+  }
+}
+
+// A message that is too long for its buffer ends with a whole character.
+TEST(CGuard, LongMessageEndsWithWholeCharacter) {
+  for (std::size_t before = 2040; before < 2050; before++) {
+    c::guarded([&] { throw c::Refused(std::string(before, 'a') + "é€𝛼"); });
+    const std::string message = c::current_error();
+    EXPECT_EQ(plain_text(message), message) << before;
+    EXPECT_GE(message.size(), std::min<std::size_t>(before, 2040)) << before;
   }
 }
 
