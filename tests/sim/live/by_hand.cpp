@@ -1,6 +1,8 @@
 // Cuts and stitches by a program: names, curves and refusals. The C interface tests bits and pulls.
 #include "turgor/sim/live/by_hand.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "tests/sim/block_scene.hpp"
@@ -108,6 +110,10 @@ TEST(ByHand, RefusesWithReason) {
   EXPECT_NE(refused(cut).find("consecutive ones distinct"), std::string::npos);
   cut = line_at(0.03), cut.points[1].x = 1e9;
   EXPECT_NE(refused(cut).find("within 100 m"), std::string::npos);
+  for (int axis = 0; axis < 3; axis++) {
+    cut = line_at(0.03), cut.points[1][axis] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_NE(refused(cut).find("within 100 m"), std::string::npos) << "axis " << axis;
+  }
   EXPECT_EQ(world.cuts.size(), 1u);
   EXPECT_FALSE(tighten_by_hand(kHandThread, "row", 1.0, 0.1, scene, world));
 }

@@ -58,7 +58,7 @@ Status check_cut(const CutByHand& cut) {
   bool is_valid = cut.points.size() >= 2;
   for (std::size_t n = 0; is_valid && n < cut.points.size(); n++) {
     const Vec3d p = cut.points[n];
-    is_valid = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest &&
+    is_valid = is_finite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest &&
                (n == 0 || !(p == cut.points[n - 1]));
   }
   if (is_valid) return Done{};
