@@ -336,7 +336,7 @@ def main(arguments=None):
         if not options.study:
             parser.error("expected a study")
         report = run_study(options.study, options.out, options.jobs, options.part, lambda sentence: print(plain_text(sentence), file=sys.stderr), options.cluster)
-    except Error as error:
+    except (Error, OSError) as error:
         print(plain_text(f"turgor: {error}"), file=sys.stderr)
         return 2
     except KeyboardInterrupt:

@@ -23,7 +23,7 @@ def text_of(file):
     """Text of a file. Raises Error for a folder, a pipe or a device, which could be read without end."""
     check_is_file(file)
     try:
-        return pathlib.Path(file).read_text(encoding="utf-8")
+        return pathlib.Path(file).read_text(encoding="utf-8-sig")  # spreadsheets begin a file with the byte order mark
     except UnicodeDecodeError as error:
         raise Error(f"{file}: expected text in UTF-8, found other bytes: {error}") from error
 
@@ -130,12 +130,16 @@ class Study:
             return [{}]
         file = self.file.parent / table
         rows = csv.reader(io.StringIO(text_of(file), newline=""))
-        keys, cases = next(rows, []), []
-        for row in rows:
-            if row and len(row) != len(keys):
-                raise Error(f"{file}: line {rows.line_num}: expected {len(keys)} cells as in the first line, found {len(row)}")
-            if row:
-                cases.append({key: self._value(cell, _named(scene, key)) for key, cell in zip(keys, row) if cell.strip()})
+        cases = []
+        try:
+            keys = next(rows, [])
+            for row in rows:
+                if row and len(row) != len(keys):
+                    raise Error(f"{file}: line {rows.line_num}: expected {len(keys)} cells as in the first line, found {len(row)}")
+                if row:
+                    cases.append({key: self._value(cell, _named(scene, key)) for key, cell in zip(keys, row) if cell.strip()})
+        except csv.Error as error:
+            raise Error(f"{file}: line {rows.line_num}: {error}") from error
         return cases
 
     def _value(self, cell, of_scene):

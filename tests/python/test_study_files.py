@@ -93,6 +93,16 @@ class Values(unittest.TestCase):
         found = [member["set"]["a.b"] for member in Study(folder / "study.toml").members]
         self.assertEqual([(type(value), value) for value in found], [(type(value), value) for value in cells.values()])
 
+    # Files that a spreadsheet or an editor began with the byte order mark of UTF-8 have the members of those without it.
+    def test_byte_order_mark_is_no_content(self):
+        folder = folder_with()
+        (folder / "cases.csv").write_text("body.pad.poisson\n0.3\n0.4\n")
+        (folder / "study.toml").write_text((folder / "study.toml").read_text().replace("[vary]", 'cases = "cases.csv"\n[vary]'))
+        before = keys_of(folder)
+        for name in ("cases.csv", "study.toml", "pad.toml"):
+            (folder / name).write_bytes(b"\xef\xbb\xbf" + (folder / name).read_bytes())
+            self.assertEqual(keys_of(folder), before, name)
+
     # A cohort varies a key that takes whole numbers only.
     def test_cohort_sets_whole_numbers(self):
         folder = folder_with()
@@ -131,6 +141,19 @@ class Refusals(unittest.TestCase):
                                       capture_output=True, text=True)
                 self.assertEqual((done.returncode, done.stdout, len(done.stderr.splitlines())), (2, "", 1), done.stderr)
                 self.assertIn(sentence, done.stderr)
+
+    # A cell without an end and a folder that cannot be made: status 2 and one line with the name of the file.
+    def test_bad_tables_and_folders_are_named(self):
+        folder = folder_with()
+        text = (folder / "study.toml").read_text()
+        (folder / "study.toml").write_text(text.replace("[vary]", 'cases = "cases.csv"\n[vary]'))
+        for table, out, name in (('a.b\n"' + 200_000 * "1", "out", "cases.csv: line"), ("a.b\n1\n", "pad.toml", "pad.toml/members"),
+                                 ("a.b\n1\n", "/proc/none", "/proc/none")):
+            (folder / "cases.csv").write_text(table)
+            done = subprocess.run([sys.executable, "-m", "turgor.study", str(folder / "study.toml"), "--out", str(folder / out)],
+                                  capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stdout, len(done.stderr.splitlines())), (2, "", 1), done.stderr)
+            self.assertIn(name, done.stderr)
 
     # Values in positions of texts and numbers of a study get a sentence.
     def test_values_of_other_types_are_explained(self):
