@@ -72,7 +72,8 @@ void bind_body(nb::module_& module) {
       .def_prop_ro(
           "world", [](const PyBody& b) { return b.owner; }, "the body's world")
       .def_prop_ro(
-          "model", [](const PyBody& b) { return model_name(b.id.kind); }, "sfem, lattice, rhombus or cloth")
+          "model", [](const PyBody& b) { return model_name(b.id.kind); },
+          "sfem, lattice, rhombus, cloth or rigid")
       .def_prop_ro(
           "rest_points", [](const PyBody& b) { return rows_of(snapshot_of(b).rest); }, kOwn,
           "(n, 3), rest positions of the surface vertices, patient frame [m]")

@@ -27,7 +27,7 @@ class Body:
 
     @property
     def model(self) -> str:
-        """sfem, lattice, rhombus or cloth"""
+        """sfem, lattice, rhombus, cloth or rigid"""
 
     @property
     def rest_points(self) -> NDArray[numpy.float32]:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 class Columns(Dict[str, NDArray[Any]]):
-    """NumPy arrays of equal length by name; names end in their unit. Vector columns have the shape (n, 3)."""
+    """NumPy arrays of equal length by name; names end in their unit. Vector columns have the shape (n, 3), quaternions (n, 4)."""
 
     if TYPE_CHECKING:  # counts are whole numbers, every other column has float64
 

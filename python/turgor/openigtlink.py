@@ -142,8 +142,8 @@ class Bridge:
         self.connections = []
         try:
             self.server = socket.create_server((host, port))
-        except OSError as error:
-            raise Error(f"OpenIGTLink: {host}:{port}: {error.strerror}") from error
+        except (OSError, OverflowError) as error:  # OverflowError: a port beyond 65535
+            raise Error(f"OpenIGTLink: {host}:{port}: {getattr(error, 'strerror', error)}") from error
         self.port = self.server.getsockname()[1]
         self.accepting = threading.Thread(target=self._accept, daemon=True)
         self.accepting.start()

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 
 from . import _turgor
 from ._turgor import Error
+from .scenes import GivenScene
 
 
 class Recording:
@@ -28,7 +29,10 @@ class Recording:
     """
 
     def __init__(self, file, *, set=None, threads=0):
-        overrides = [f"{key}={'' if value is None else _text(value)}" for key, value in (set or {}).items()]
+        given = GivenScene(None)
+        overrides = given.overrides(set, None, None)
+        if given.volumes or given.labels:
+            raise Error("a recording: expected volumes as files, found one in memory")
         self._name = os.fspath(file)
         self._file = _turgor.open_recording(self._name, overrides, threads)
 
@@ -54,10 +58,6 @@ class Recording:
     def report(self):
         """report.json of the run, without pictures."""
         return json.loads(self._file.report)
-
-
-def _text(value):
-    return json.dumps(os.fspath(value)) if isinstance(value, (str, os.PathLike)) else json.dumps(value)
 
 
 def _recording(given):

@@ -5,6 +5,7 @@ import hashlib
 import json
 import numbers
 import os
+from collections.abc import Iterable, Mapping, Set
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -58,7 +59,7 @@ def _text(value):
 
 
 class GivenScene:
-    """Data of a scene from Python besides its text: files of meshes in `folder`, volumes by body."""
+    """Data of a scene from Python besides its text: files of meshes in `folder`, volumes by body. Without a folder, meshes are refused."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -70,9 +71,11 @@ class GivenScene:
         """The folder as it appears in documents and overrides. It lives only until the world is loaded."""
         return _text(self.folder)[1:-1]
 
-    def toml(self, value):
-        """TOML text of a Python value."""
-        if isinstance(value, bool):
+    def toml(self, value, key):
+        """TOML text of a Python value. Raises Error with the key for a value that TOML does not have."""
+        if isinstance(value, np.ndarray):
+            value = value.tolist()
+        if isinstance(value, (bool, np.bool_)):
             return "true" if value else "false"
         if isinstance(value, numbers.Integral):
             return str(int(value))
@@ -80,13 +83,17 @@ class GivenScene:
             return repr(float(value))
         if isinstance(value, (str, os.PathLike)):
             return _text(os.fspath(value))
-        if isinstance(value, dict):
-            return "{ " + ", ".join(f"{json.dumps(str(k))} = {self.toml(v)}" for k, v in value.items()) + " }"
-        if isinstance(value, Mesh):
+        if isinstance(value, Mapping):
+            items = {f"{k}": v for k, v in value.items() if v is not None}
+            return "{ " + ", ".join(f"{_text(k)} = {self.toml(v, f'{key}.{k}')}" for k, v in items.items()) + " }"
+        if isinstance(value, Mesh) and self.folder is not None:
             return _text(value.write(self.folder))
-        if isinstance(value, Volume):
-            raise Error("a Volume in a scene: expected as body.NAME.ct or body.NAME.labels, found elsewhere")
-        return "[" + ", ".join(self.toml(v) for v in value) + "]"
+        if isinstance(value, (Mesh, Volume)):
+            raise Error(f"{key}: expected " + ("a file, found a Mesh" if isinstance(value, Mesh) else
+                                               "a Volume as body.NAME.ct or body.NAME.labels, found one elsewhere"))
+        if not isinstance(value, Iterable) or isinstance(value, (bytes, bytearray, Set)):
+            raise Error(f"{key}: expected a number, a text, a list or a dict, found {type(value).__name__}")
+        return "[" + ", ".join(self.toml(v, key) for v in value) + "]"
 
     def _take_volume(self, key, value):
         """Stores a Volume and returns its text in the scene; None for other values."""
@@ -106,13 +113,14 @@ class GivenScene:
         lines = []
 
         def add(path, table):
-            tables = {k: v for k, v in table.items() if isinstance(v, dict) and len(path) < 2}
+            tables = {k: v for k, v in table.items() if isinstance(v, Mapping) and len(path) < 2}
             if path:
                 lines.append("[" + ".".join(json.dumps(p) for p in path) + "]")
             for key, value in table.items():
                 if key not in tables and value is not None:
-                    text = self._take_volume(".".join((*path, key)), value)
-                    lines.append(f"{json.dumps(key)} = {text if text is not None else self.toml(value)}")
+                    name = ".".join((*path, key))
+                    text = self._take_volume(name, value)
+                    lines.append(f"{json.dumps(key)} = {text if text is not None else self.toml(value, name)}")
             for key, value in tables.items():
                 add((*path, str(key)), value)
 
@@ -127,5 +135,5 @@ class GivenScene:
         texts = []
         for key, value in values.items():
             text = self._take_volume(key, value)
-            texts.append(f"{key}=" + ("" if value is None else text if text is not None else self.toml(value)))
+            texts.append(f"{key}=" + ("" if value is None else text if text is not None else self.toml(value, key)))
         return texts

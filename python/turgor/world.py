@@ -8,6 +8,7 @@ import os
 import sys
 import tempfile
 import warnings
+from collections import abc
 from typing import Any, Callable, Iterator, Mapping, Optional, Sequence, Union, overload
 
 import numpy as np
@@ -43,7 +44,7 @@ def _is_false(answer):
 def _file_and_text(given, scene, text, folder):
     if (scene is None) == (text is None):
         raise TypeError("expected either a scene (a file or a dict) or text=")
-    if isinstance(scene, dict):
+    if isinstance(scene, abc.Mapping):
         text = given.document(scene)
     if text is None:
         return os.fspath(scene), None
@@ -200,8 +201,8 @@ class World(_turgor.World):
         body.NAME, attachment.NAME and contact.NAME.
 
         Columns of a wound: time_s, gape_max_m, gape_mean_m, opening_area_m2, edge_displacement_m. Of a suture: time_s,
-        closing_force_N, tension_max_N, gape_max_m. Of an attachment
-        or a contact: time_s, force_N (on its first body), largest_force_N (of one spring or site), bearing, sliding.
+        closing_force_N, tension_max_N, gape_max_m. Of a cloth: time_s, largest_speed_m_per_s. Of an attachment or a
+        contact: time_s, force_N (on its first body), largest_force_N (of one spring or site), bearing, sliding.
         Of a rigid body: time_s, center_m (of mass), rotation (from the start, quaternion w, x, y, z),
         velocity_m_per_s and spin_rad_per_s (of the middle of the frame)."""
         all = {of: Columns(columns) for of, columns in self._measures().items()}

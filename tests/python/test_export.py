@@ -8,7 +8,9 @@ import struct
 import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -109,6 +111,19 @@ class Recordings(unittest.TestCase):
                   "reading = threading.Thread(target=lambda: [recording[n] for n in range(6)]); reading.start(); reading.join()")
         done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
         self.assertEqual((done.stdout, done.stderr), ("", ""))
+
+    # `set` takes the values that World takes: numbers of NumPy, and texts beyond the first plane of Unicode.
+    def test_set_takes_values_of_world(self):
+        values = {"a.number": np.float32(0.5), "a.whole": np.uint8(3), "a.flag": np.True_, "a.text": "\N{GRINNING FACE}", "a.list": np.arange(2), "a.none": None}
+        with unittest.mock.patch("turgor._turgor.open_recording") as opened:
+            turgor.Recording("r.h5", set=values)
+        texts = dict(text.split("=", 1) for text in opened.call_args.args[1])
+        self.assertEqual(texts.pop("a.none"), "")
+        found = {key: tomllib.loads(f"value = {text}")["value"] for key, text in texts.items()}
+        self.assertEqual(found, {"a.number": 0.5, "a.whole": 3, "a.flag": True, "a.text": "\N{GRINNING FACE}", "a.list": [0, 1]})
+        for value in (turgor.Volume(np.zeros((2, 2, 2)), (1, 1, 1)), turgor.Mesh(np.eye(3), [[0, 1, 2]])):
+            with self.assertRaisesRegex(turgor.Error, "file"):
+                turgor.Recording("r.h5", set={"body.torso.ct": value})
 
     # Other files, endings and folders are refused with a message, and nothing is written.
     def test_wrong_input_is_refused(self):

@@ -200,6 +200,8 @@ class OpenIGTLink(unittest.TestCase):
             self.bridge(PAD, image="pad")
         with self.assertRaisesRegex(turgor.Error, f"127.0.0.1:{bridge.port}: Address already in use"):
             openigtlink.Bridge(turgor.World(text=PAD), port=bridge.port)
+        with self.assertRaisesRegex(turgor.Error, "127.0.0.1:70000: .*0-65535"):
+            openigtlink.Bridge(turgor.World(text=PAD), port=70000)
 
     # The program of the page runs a scene and prints its counts.
     def test_program_runs_scene(self):

@@ -1,12 +1,16 @@
 """Worlds from volumes, meshes and numbers, and conversions from and to other packages."""
 import pathlib
 import tempfile
+import tomllib
+import types
 import unittest
 
 import numpy as np
 
 import turgor
 from scenes import CLOTH, FORCEPS, PAD
+from turgor.scenes import GivenScene
+from turgor.world import _file_and_text
 
 
 def _package(name, test):
@@ -122,6 +126,27 @@ class Values(unittest.TestCase):
                          lambda: turgor.tick_all([world], np.array([[[[0.03, 0.03, 0.05, 1, 0, 0, 0]]]]), threads=threads)):
                 with self.assertRaisesRegex(turgor.Error, f"threads from 0 .one per core. to 1024, found {threads}"):
                     call()
+
+    # Numbers and arrays of NumPy, other mappings than dicts and tables with None make the text of plain Python.
+    def test_scene_of_numpy_and_mappings_equals_dicts(self):
+        size, path = [0.06, 0.05, 0.03], [[0, 0.03, 0.025, 0.04], [0.1, 0.03, 0.025, 0.034]]
+        table = types.MappingProxyType
+        given = GivenScene(None)
+        plain = given.document({"world": {"duration": 0.5, "frame_rate": 50}, "tool": {"finger": {"path": path}},
+                                "body": {"pad": {"block": {"size": size, "count": [5, 4, 3]}, "young": 4000.0, "rotations": True, "cache": False}}})
+        block = table({"size": np.array(size), "count": np.array([5, 4, 3], np.uint16), "bend": None})
+        mixed = given.document(table({
+            "world": {"duration": np.array(0.5), "frame_rate": np.uint8(50)}, "tool": {"finger": {"path": np.array(path), "friction": None}},
+            "body": table({"pad": table({"block": block, "young": np.float32(4000), "rotations": np.True_, "cache": np.array(False)})})}))
+        self.assertEqual(tomllib.loads(mixed), tomllib.loads(plain))
+        self.assertEqual(_file_and_text(given, table(tomllib.loads(plain)), None, "in")[1], given.document(tomllib.loads(plain)))
+
+    # A value that TOML does not have is refused with its key.
+    def test_values_beyond_toml_are_refused_with_key(self):
+        for value, kind in (({1, 2}, "set"), (b"ab", "bytes"), (object(), "object"), (1j, "complex")):
+            for scene, overrides in (({"body": {"pad": {"young": value}}}, {}), (None, {"body.pad.young": value}), ({"body": {"pad": {"a": {"b": value}}}}, {})):
+                with self.subTest(kind), self.assertRaisesRegex(turgor.Error, rf"^body\.pad\.(young|a\.b): expected a number, a text, a list or a dict, found {kind}$"):
+                    turgor.World(scene, text=None if scene else PAD, set=overrides)
 
     def box(self, height=0.03):
         """Corners and triangles of a box."""
