@@ -83,8 +83,8 @@ TEST(DeviceState, CutUploadsOnlyChanges) {
       EXPECT_TRUE(device.state.is_on_device());
 
       const std::size_t twice = (before + device.state.virtual_u().size()) * sizeof(VirtualNodeDisplacement);
-      const std::size_t nodes = (Transfers::downloaded - twice) / sizeof(NodeNow);
-      EXPECT_EQ(Transfers::downloaded, twice + nodes * sizeof(NodeNow));
+      const std::size_t nodes = (Transfers::downloaded - twice) / sizeof(VectorPair);
+      EXPECT_EQ(Transfers::downloaded, twice + nodes * sizeof(VectorPair));
       EXPECT_EQ(nodes > 0, law == TissueLaw::kSolid) << "if there are new virtual nodes";
       EXPECT_LE(nodes, 8 * (device.state.virtual_u().size() - before)) << "corners of divided cells";
       const CutElements& elements = device.state.cut_elements();
@@ -221,7 +221,7 @@ TEST(DeviceState, WoundNeedsSupportNodesOnly) {
       return measure_wound(device.model, state, surface, device.path, 1);
     });
     const std::size_t virtual_nodes = device.state.virtual_u().size() * sizeof(VirtualNodeDisplacement);
-    EXPECT_EQ(Transfers::downloaded, beside.size() * sizeof(NodeNow) + virtual_nodes);
+    EXPECT_EQ(Transfers::downloaded, beside.size() * sizeof(VectorPair) + virtual_nodes);
     EXPECT_EQ(Transfers::uploaded, beside.size() * sizeof(int));
     const TriMesh snapshot = device.state.read_wound_nodes(behind, [&](const State& state) {
       return deformed_surface(device.model, state, surface, Shown::kStretch);

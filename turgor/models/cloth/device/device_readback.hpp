@@ -9,24 +9,19 @@
 
 #include "turgor/core/atomic_max.hpp"
 #include "turgor/core/device_arrays.hpp"
+#include "turgor/core/device_gather.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/model/sheet_view.hpp"
 #include "turgor/models/cloth/model/state.hpp"
 
 namespace turgor::cloth {
 
-struct VertexNow {
-  Vec3 x, v;  // [m] [m/s]
-};
-/// Gathers vertices, one thread per vertex.
-struct GatherVertex {
+/// Position and velocity of a vertex [m] [m/s].
+struct VertexMotion {
   ConstVectorsView x, v;
-  const int* vertices;
-  VertexNow* now;
 
-  TURGOR_HD void operator()(std::size_t n) const {
-    const auto i = std::size_t(vertices[n]);
-    now[n] = {x[i], v[i]};
+  TURGOR_HD VectorPair operator()(int vertex) const {
+    return {x[std::size_t(vertex)], v[std::size_t(vertex)]};
   }
 };
 
@@ -83,15 +78,9 @@ class DeviceReadback {
   void download_vertices(const Run& run, ConstVectorsView x, ConstVectorsView v,
                          std::span<const int> vertices, State& state) {
     TURGOR_CHECK(all_indices(vertices, state.x.size()), "downloaded vertices are of the cloth");
-    if (vertices.empty()) return;
-    vertices_.assign(vertices), vertices_now_.resize(vertices.size());
-    run(vertices.size(), GatherVertex{x, v, vertices_.data(), vertices_now_.data()});
-    std::vector<VertexNow> now(vertices.size());
-    vertices_now_.array.download(now);
-    for (std::size_t n = 0; n < now.size(); n++) {
-      const auto i = std::size_t(vertices[n]);
-      state.x.set(i, now[n].x), state.v.set(i, now[n].v);
-    }
+    gather_(run, vertices, VertexMotion{x, v}, [&state](std::size_t i, const VectorPair& motion) {
+      state.x.set(i, motion.first), state.v.set(i, motion.second);
+    });
   }
   /// Contacts with an impulse on an obstacle or a held vertex, in the order of the list.
   template <class Run>
@@ -125,8 +114,8 @@ class DeviceReadback {
   }
 
  private:
-  DeviceList<Backend, int> vertices_, found_, count_;
-  DeviceList<Backend, VertexNow> vertices_now_;
+  DeviceGather<Backend> gather_;
+  DeviceList<Backend, int> found_, count_;
   DeviceList<Backend, LoadNow> loads_now_;
 };
 

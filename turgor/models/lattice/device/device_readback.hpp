@@ -8,6 +8,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/atomic_max.hpp"
 #include "turgor/core/device_arrays.hpp"
+#include "turgor/core/device_gather.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/solver/step_kernels.hpp"
@@ -15,16 +16,11 @@
 
 namespace turgor::lattice {
 
-struct NodeNow {
-  Vec3 u, v;  // [m], [m/s]
-};
-/// Gathers nodes, one thread per node.
-struct GatherNode {
+/// Displacement and velocity of a node [m] [m/s].
+struct NodeMotion {
   FreeNodes body;
-  const int* slots;
-  NodeNow* now;
 
-  TURGOR_HD void operator()(std::size_t n) const { now[n] = {body.nodes.u(slots[n]), body.v(slots[n])}; }
+  TURGOR_HD VectorPair operator()(int slot) const { return {body.nodes.u(slot), body.v(slot)}; }
 };
 
 /// Finds the samples inside balls, one thread per sample. The order of `found` is undefined.
@@ -50,17 +46,10 @@ class DeviceReadback {
  public:
   template <class Run>
   void download_nodes(const Run& run, const FreeNodes& body, std::span<const int> slots, Motion& motion) {
-    // gather on the device
     TURGOR_CHECK(all_indices(slots, motion.u.x.size()), "downloaded nodes are slots of the lattice");
-    slots_.assign(slots), now_.resize(slots.size());
-    run(slots.size(), GatherNode{body, slots_.data(), now_.data()});
-    // download
-    std::vector<NodeNow> now(slots.size());
-    now_.array.download(now);
-    for (std::size_t n = 0; n < now.size(); n++) {
-      const auto slot = std::size_t(slots[n]);
-      motion.u.set(slot, now[n].u), motion.v.set(slot, now[n].v);
-    }
+    gather_(run, slots, NodeMotion{body}, [&motion](std::size_t slot, const VectorPair& node) {
+      motion.u.set(slot, node.first), motion.v.set(slot, node.second);
+    });
   }
   /// Samples inside the balls, ascending. A change of `version` uploads the samples again.
   template <class Run>
@@ -95,8 +84,8 @@ class DeviceReadback {
   }
 
  private:
-  DeviceList<Backend, int> slots_, found_, count_;
-  DeviceList<Backend, NodeNow> now_;
+  DeviceGather<Backend> gather_;
+  DeviceList<Backend, int> found_, count_;
   DeviceList<Backend, SurfaceSample> samples_;
   std::uint64_t version_ = 0;
 };
