@@ -28,7 +28,7 @@ struct DrivenWorld {
   void advance(int ticks) {
     std::vector<contact::ToolReading> readings(world.tools.size());
     for (int n = 0; n < ticks; n++) {
-      const double time = time_of(driven) + kTick;
+      const double time = driven.began + double(driven.done + 1) * kTick;  // rounded as in a run
       std::vector<contact::ToolCommand> commands;
       for (const TouchingTool& tool : paths) commands.push_back(command_at(tool, time));
       if (slides) commands[0].pose.position = {0.012 + 0.15 * time, 0.03, 0.034};
