@@ -159,6 +159,7 @@ void add_wire(const Exec& exec, bool quick, std::vector<Figure>& figures) {
                              .diameter = diameter,
                              .toughness = 1e-3,
                              .entry_toughness = 1e-3,
+                             .exit_toughness = 1e-3,
                              .friction = 0,
                              .spreading = 0};
       NeedlePush push = needle_above(inner, needle, entry, 0, 0);

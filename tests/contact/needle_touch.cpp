@@ -130,6 +130,7 @@ TEST(NeedleTouch, PulledShaftHasStiffnessOfWire) {
                                           .diameter = diameter,
                                           .toughness = 1e-3,
                                           .entry_toughness = 1e-3,
+                                          .exit_toughness = 1e-3,
                                           .friction = 0,
                                           .spreading = 0});
       insertion.entry = entry, insertion.pose.position = entry + Vec3d{0, 0, 0.001};

@@ -107,7 +107,7 @@ struct NeedleTouch {
 /// State of a needle outside of the body, with memory for all of its tracks.
 NeedleState make_needle_state(const sfem::InnerGreen& inner, const Needle& needle);
 
-/// Lists the elements of the mesh that all tracks pass, as many as the list has room for.
+/// Lists the elements of the mesh that all tracks pass: at most kMostTracks · kMostNeedlePoints a needle.
 void list_track_elements(const NeedleTouch& touch, std::vector<int>& elements);
 
 /// One tick of a needle. `free`: displacement of the vertices of `inner` without this needle;

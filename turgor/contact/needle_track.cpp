@@ -7,6 +7,7 @@
 #include "turgor/contact/needle_tick.hpp"
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
+#include "turgor/geometry/triangle_point.hpp"
 
 namespace turgor::contact {
 
@@ -59,10 +60,21 @@ void add_point(const NeedleTick& tick) {
   fill_compliance_of(tick, n);
 }
 
+constexpr double kOutside = 1e-3;  // distance outside of an element that counts as outside, of its size
+
+/// True if a position at rest just outside of the element is beyond the body's surface, not only beyond the
+/// elements whose Green's functions are known.
+bool is_beyond_surface(const sfem::InnerGreen& inner, Vec3d rest, int element) {
+  const double near = 5 * kOutside * inner.size[std::size_t(element)];
+  return std::any_of(inner.surface.begin(), inner.surface.end(), [&](Int3 triangle) {
+    const auto x = [&](int v) { return inner.x[std::size_t(v)]; };
+    return nearest_on_triangle(rest, x(triangle.x), x(triangle.y), x(triangle.z)).distance < near;
+  });
+}
+
 /// Share of the path of a crack from its end to a position at rest that nothing stops. The far surface and
 /// tougher tissue do; where Green's functions end, the track is through.
 double free_share(const NeedleTick& tick, const NeedlePoint& end, Vec3d to) {
-  constexpr double kOutside = 1e-3;  // of an element
   constexpr int kHalvings = 20;
   NeedleTrack& track = tick.track();
   const double toughness = toughness_at(tick, end.at);
@@ -79,12 +91,12 @@ double free_share(const NeedleTick& tick, const NeedlePoint& end, Vec3d to) {
   };
   const auto stop = first_stop(norm(to - end.rest), tick.needle.spacing / 4, is_free);
   if (!stop) return 1;
-  if (leaves && tick.inner.closed[std::size_t(element)] == 0) {
+  // tougher tissue itself holds the tip; of the surface, the last position inside
+  const PathStop at = refined(*stop, kHalvings, is_free);
+  if (leaves && !is_beyond_surface(tick.inner, end.rest + (to - end.rest) * at.stopped, element)) {
     track.is_through = tick.state.beyond = true, track.force[0] = {};
     return 1;
   }
-  // tougher tissue itself holds the tip; of the surface, the last position inside
-  const PathStop at = refined(*stop, kHalvings, is_free);
   track.is_at_exit = leaves;
   return leaves ? at.free : at.stopped;
 }

@@ -69,8 +69,7 @@ void list_track_elements(const NeedleTouch& touch, std::vector<int>& elements) {
     for (const NeedleTrack& track : needle.tracks)
       for (const NeedlePoint& point : track.points) {
         const int element = touch.inner->elements[std::size_t(point.at.element)];
-        if ((elements.empty() || elements.back() != element) && elements.size() < elements.capacity())
-          elements.push_back(element);
+        if (elements.empty() || elements.back() != element) elements.push_back(element);
       }
 }
 

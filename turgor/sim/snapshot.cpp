@@ -58,7 +58,7 @@ void show_tool(const TouchingTool& tool, const contact::Pose& pose, Vec3d force,
                ToolSnapshot& out) {
   out.name = tool.name, out.body = tool.body;
   out.pose = pose, out.force = force, out.opening = opening;
-  out.has_jaws = tool.forceps.has_value();
+  out.has_jaws = tool.forceps.has_value(), out.is_needle = tool.tool.needle.has_value();
   out.size = tool.forceps ? 3 * tool.forceps->opening : diagonal(tool.mesh);
   out.mesh = tool.forceps ? contact::forceps_mesh(*tool.forceps, opening) : tool.mesh;
 }

@@ -85,7 +85,7 @@ struct ToolSnapshot {
   Vec3d force;         // on the tool [N]
   double opening = 0;  // of the jaws [m]
   double size = 0;     // of the contacting end [m]
-  bool has_jaws = false;
+  bool has_jaws = false, is_needle = false;
   TriMesh mesh;  // about the tool's origin, with the present jaws
 };
 

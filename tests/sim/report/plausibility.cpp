@@ -42,6 +42,8 @@ TEST(Plausibility, ToolLargerThanBody_Warns) {
   EXPECT_TRUE(odd_sizes(snapshot).empty());
   snapshot.tools[0].size = 0.19;  // a ball of 0.11 m: the diagonal of its box
   EXPECT_TRUE(odd_sizes(snapshot).empty());
+  snapshot.tools[0].size = 1, snapshot.tools[0].is_needle = true;
+  EXPECT_TRUE(odd_sizes(snapshot).empty()) << "a needle may be longer than its body";
 }
 
 // Cloth stretched by more than half its length causes a warning with the time of the maximum.

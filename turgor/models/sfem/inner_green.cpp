@@ -31,17 +31,12 @@ void describe_elements(const Model& model, InnerGreen& inner) {
   for (const int v : inner.vertices) inner.x.push_back(mesh.vertices[std::size_t(v)]);
   // corners, stiffness and size
   const std::vector<int> material = element_materials(model.body);
-  const std::size_t faces = mesh.corners == 8 ? 6 : 4;
   for (const int e : inner.elements) {
     for (const int v : element(mesh, std::size_t(e))) inner.corner.push_back(index_in(inner.vertices, v));
     const Material& own = model.body.materials[std::size_t(material[std::size_t(e)])];
     inner.material.push_back(material[std::size_t(e)]);
     inner.shear.push_back(moduli(own).shear), inner.poisson.push_back(own.poisson);
     inner.size.push_back(std::cbrt(std::abs(volume(mesh, std::size_t(e)))));
-    // neighbors across the faces
-    const auto known = [&](int n) { return n < 0 || index_in(inner.elements, n) >= 0; };
-    const auto first = model.neighbors.begin() + std::ptrdiff_t(faces * std::size_t(e));
-    inner.closed.push_back(std::all_of(first, first + std::ptrdiff_t(faces), known));
   }
   // surface of the body
   for (std::size_t t = 0; t < model.surface.triangles.size(); t++) {

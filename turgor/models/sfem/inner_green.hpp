@@ -28,8 +28,6 @@ struct InnerGreen {
   std::vector<float> green;  // 3×3 blocks of Ξ, column-major, block (row, column) at row·count + column [m/N]
   std::vector<Int3> surface;  // triangles of the body's surface, of `vertices`
   std::vector<int> behind;    // index into `elements` of the element behind each of them
-  std::vector<std::uint8_t>
-      closed;                 // of each element: 1 = no element of the mesh beyond these touches its faces
   std::vector<int> material;  // of each element, index into Body::materials
   std::vector<double>
       toughness;              // of each element, set by the caller; negative or empty: a needle's own [J/m²]

@@ -41,8 +41,8 @@ void transfer(File& file, BodySnapshot& body) {
 }
 template <class File>
 void transfer(File& file, ToolSnapshot& tool) {
-  auto& [name, body, pose, force, opening, size, has_jaws, mesh] = tool;
-  transfer_all(file, name, body, pose, force, opening, size, has_jaws, mesh);
+  auto& [name, body, pose, force, opening, size, has_jaws, is_needle, mesh] = tool;
+  transfer_all(file, name, body, pose, force, opening, size, has_jaws, is_needle, mesh);
 }
 template <class File>
 void transfer(File& file, OrganForce& force) {

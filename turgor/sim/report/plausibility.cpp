@@ -110,8 +110,9 @@ std::vector<std::string> odd_sizes(const WorldSnapshot& snapshot) {
   }
 
   // tools
+  constexpr double kNeedle = 10;  // a needle may be longer than its body
   for (const ToolSnapshot& tool : snapshot.tools)
-    if (tool.size > largest)
+    if (tool.size > (tool.is_needle ? kNeedle : 1) * largest)
       sentences.push_back(
           fmt::format("{}: its contacting end has a size of {}, larger than the largest body ({}): are "
                       "its lengths in millimeters? Scenes use meters",

@@ -250,6 +250,10 @@ namespace {
 /// End of the warning about a tool that reached beyond the patch. With `patch = false`, which is a patch of
 /// the body's own elements, it names none.
 std::string beyond_patch_text(const World& world, const TouchingTool& tool) {
+  if (tool.tool.needle)
+    return ": its tip went faster than Green's functions around it were solved, and met no resistance from "
+           "there on; "
+           "move it more slowly";
   const SfemBody* body =
       tool.body.kind == BodyKind::kSfem ? &world.sfem_bodies[std::size_t(tool.body.index)] : nullptr;
   if (body && is_without_patch(*body))

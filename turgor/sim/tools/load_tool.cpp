@@ -188,11 +188,12 @@ Result<TouchingTool> load_tool(const ToolScene& scene, const std::string& body, 
   const double body_width = std::max({extent.x, extent.y, extent.z}),
                tool_width = width(scene.shape, tool.tool.shape);
   constexpr double kMostWidths = 10;  // beyond, lengths are in another unit
-  if (tool_width >= kMostWidths * body_width)
+  const double across = tool.tool.needle ? tool.tool.needle->diameter : tool_width;  // a needle may be long
+  if (across >= kMostWidths * body_width)
     return Error{
         fmt::format("{}: the tool is {:.4g} m wide, the body {} {:.4g} m; expected a tool of less than {} "
                     "times the body's width (are lengths in meters?)",
-                    scene.source_location, tool_width, body, body_width, kMostWidths)};
+                    scene.source_location, across, body, body_width, kMostWidths)};
 
   // motion
   if (const auto* recorded = std::get_if<HandFile>(&scene.motion)) {

@@ -216,6 +216,60 @@ TEST(NeedleSfem, EntersBodyThatHasMoved) {
   EXPECT_GT(report["inserted_max_mm"].get<double>(), 10);
 }
 
+// The hole that a needle has left stays while the needle enters 50 mm away, and is entered again without
+// cutting.
+TEST(NeedleSfem, HolesStayWhileNeedleIsElsewhere) {
+  constexpr double kPause = 0.2;  // after the path, before the end [s]
+  const std::string text = fmt::format(
+      "[world]\nduration = 3.2\n[body.pad]\nmodel = \"sfem\"\nblock = {{ size = [0.1, 0.04, 0.05], count = "
+      "[10, "
+      "4, 5] }}\nfixed = \"bottom\"\nyoung = 4e3\ncache = false\n[tool.needle]\nbody = \"pad\"\nshape = {{ "
+      "{} "
+      "}}\npath = [[0, 0.025, 0.02, 0.052], [0.5, 0.025, 0.02, 0.032], [1, 0.025, 0.02, 0.056], [1.3, 0.075, "
+      "0.02, "
+      "0.056], [1.6, 0.075, 0.02, 0.04], [1.9, 0.075, 0.02, 0.056], [2.2, 0.025, 0.02, 0.056], [3, 0.025, "
+      "0.02, "
+      "0.036]]\n",
+      kNeedleKeys);
+  Result<World> world = needle_world(Exec(1), text);
+  ASSERT_TRUE(world) << world.error().message;
+  while (time_of(*world) < 3 + kPause / 2) ASSERT_TRUE(step(Exec(1), *world));
+  const Json report = needle_report(world->tools[0], world->sfem_bodies[0]);
+  EXPECT_EQ(report["punctures"], 2);
+  const auto& samples = world->tools[0].samples;
+  double cutting = 0;
+  for (std::size_t i = 2300; i < samples.size(); i++) cutting = std::max(cutting, samples[i].needle.cutting);
+  EXPECT_LT(cutting, 0.01) << "N, in the first hole again";
+}
+
+// A needle leaves a plate by its far surface at the surface's own toughness, also where it passes beside the
+// centers of elements.
+TEST(NeedleSfem, FarSurfaceHoldsTipAnywhere) {
+  constexpr double kExit = 500, kDiameter = 0.001;  // [J/m²] [m]
+  for (const double x : {0.031, 0.033, 0.035, 0.0385}) {
+    const std::string text = fmt::format(
+        "[world]\nduration = 1\n[body.plate]\nmodel = \"sfem\"\nblock = {{ size = [0.06, 0.04, 0.03], count "
+        "= "
+        "[6, 4, 3] }}\nfixed = {{ sides = [\"left\", \"right\"] }}\nyoung = 4e3\ncache = "
+        "false\n[tool.needle]\n"
+        "body = \"plate\"\nshape = {{ needle = 0.09, diameter = {}, exit_toughness = {} }}\npath = [[0, {x}, "
+        "0.021, "
+        "0.032], [0.4, {x}, 0.021, 0.01], [0.8, {x}, 0.021, -0.03]]\n",
+        kDiameter, kExit, fmt::arg("x", x));
+    Result<World> world = needle_world(Exec(1), text);
+    ASSERT_TRUE(world) << world.error().message;
+    while (time_of(*world) < 0.9) ASSERT_TRUE(step(Exec(1), *world));
+    double at_exit = 0;
+    bool is_beyond = false;
+    for (const ForceSample& s : world->tools[0].samples) {
+      at_exit = std::max(at_exit, s.needle.cutting);
+      is_beyond = is_beyond || s.beyond_patch;
+    }
+    EXPECT_NEAR(at_exit, kExit * kDiameter, 0.02 * kExit * kDiameter) << "N at " << x;
+    EXPECT_FALSE(is_beyond) << x;
+  }
+}
+
 // Two needles 10 mm apart in one body: each punctures it, the one at rest feels the one that enters, and the
 // bits do not depend on the number of threads.
 TEST(NeedleSfem, TwoNeedlesActOnEachOther) {
