@@ -15,6 +15,7 @@
 #include "turgor/sim/report/report_compare.hpp"
 #include "turgor/sim/report/report_needle.hpp"
 #include "turgor/sim/report/section.hpp"
+#include "turgor/sim/report/trembling.hpp"
 
 namespace turgor {
 
@@ -291,6 +292,8 @@ std::vector<std::string> touch_warnings(const World& world) {
       warnings.push_back(passed);
     else if (const std::string off = missed_body_note(world, tool); !off.empty())
       warnings.push_back(off);
+    else if (const std::string trembling = trembling_note(world, tool); !trembling.empty())
+      warnings.push_back(trembling);
     add_limits(tool, warnings);
   }
   for (const TouchingTool& tool : world.tools)
