@@ -7,6 +7,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/sim/bodies/cloth/free_support.hpp"
 #include "turgor/sim/replace_cuts.hpp"
 #include "turgor/sim/tools/load_texture.hpp"
 #include "turgor/sim/tools/load_tool.hpp"
@@ -157,7 +158,7 @@ Result<FrameReport> step(const Exec& exec, World& world, bool measure_residual) 
   const auto press = [&](bool is_support_kind) {
     for_each_touched(world, [&](BodyId id, auto& body) {
       if (is_support_kind == (id.kind == BodyKind::kLattice || id.kind == BodyKind::kRhombus))
-        press_body(exec, body, cloth_forces_on(world, id), world.dt);
+        relax_free_loads(world, id), press_body(exec, body, cloth_forces_on(world, id), world.dt);
     });
   };
   press(false);

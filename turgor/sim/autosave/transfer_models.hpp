@@ -185,7 +185,8 @@ void transfer(File& file, cloth::Contacts& contacts) {
 }
 template <class File>
 void transfer(File& file, cloth::ImplicitContacts& implicit) {
-  auto& [contacts, terms, inverse] = implicit;
+  // free obstacles are of use within a step only
+  auto& [contacts, terms, inverse, free] = implicit;
   transfer_all(file, contacts, terms, inverse);
 }
 template <class File>

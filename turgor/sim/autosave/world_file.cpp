@@ -190,7 +190,10 @@ void transfer_body(File& file, ClothBody& body) {
     transfer_all(file, hold.vertices, hold.positions, hold.is_held, hold.missed, hold.force);
   for (ClothObstacle& obstacle : body.obstacles) {
     transfer(file, obstacle.force);
-    if (obstacle.support) transfer_all(file, obstacle.support->positions, obstacle.support->force);
+    if (!obstacle.support) continue;
+    auto& [body_id, carrier, triangles, positions, moving, force, pressing, wrench, relaxed] =
+        *obstacle.support;
+    transfer_all(file, positions, force, wrench, relaxed);
   }
 }
 
@@ -202,7 +205,7 @@ void transfer(File& file, RigidTouch& touch) {
 }
 template <class File>
 void transfer_body(File& file, RigidBody& body) {
-  transfer_all(file, body.textures, body.state, body.next, body.samples, body.cloth);
+  transfer_all(file, body.textures, body.state, body.next, body.samples, body.cloth, body.borne);
   for (RigidTouch& touch : body.touches) transfer(file, touch);
 }
 

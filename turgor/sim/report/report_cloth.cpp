@@ -10,6 +10,7 @@
 #include "turgor/core/hash.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/core/timing.hpp"
+#include "turgor/sim/bodies/cloth/free_support.hpp"
 #include "turgor/sim/report/page.hpp"
 #include "turgor/sim/report/section.hpp"
 
@@ -270,11 +271,12 @@ double free_weight(const World& world, BodyId id) {
   return g * std::accumulate(mass.begin(), mass.end(), 0.0);
 }
 
-/// Warning of cloth that bears a free body; empty if none does. The force of the cloth acts on the body
-/// relaxed, thus late, which gives it energy.
+/// Warning of cloth that bears a free body by sweeps; empty if none does. The force of such cloth acts on the
+/// body relaxed, thus late, which gives it energy. Other cloth moves together with the body
+/// (bodies/cloth/free_support.hpp).
 std::string borne_body_warning(const World& world, const ClothBody& body, const ClothObstacle& obstacle) {
   constexpr int kFrames = 3;  // that a body is lifted by more than half of its weight
-  if (!obstacle.support) return "";
+  if (!obstacle.support || moves_with(world, body, obstacle.support->body)) return "";
   const double weight = free_weight(world, obstacle.support->body);
   if (!(weight > 0)) return "";
   const Vec3d up = -normalized(world.gravity);
@@ -285,8 +287,9 @@ std::string borne_body_warning(const World& world, const ClothBody& body, const 
   if (frames < kFrames) return "";
   return fmt::format(
       "{}: obstacle.{}: the cloth bears a body that nothing fixes (up to {:.3g} N, its weight is {:.3g} N). "
-      "Such a "
-      "body may be thrown or fall through; expected a fixed body, or one that lies on something else",
+      "With sweeps, such a body may be thrown or fall through; expected solver.method = \"two_level\", a "
+      "fixed "
+      "body, or one that lies on something else",
       body.name, obstacle.name, most, weight);
 }
 

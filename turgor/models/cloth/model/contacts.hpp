@@ -74,6 +74,24 @@ struct ImplicitContact {
   Vec3 stick_impulse;             // friction impulse at zero tangential velocity [N·s]
   Vec3 load;                      // impulse at zero velocity change [N·s]
   Real separation_speed = 0;      // speed at which penetration is removed between two obstacles [m/s]
+  Vec3 arm;                       // of a free obstacle: from its center to its surface at the contact [m]
+};
+
+/// Inertia of an obstacle that moves under the impulses of the cloth (contact/free_obstacle.hpp).
+struct FreeInertia {
+  Vec3d center;         // of mass at the beginning of the step [m]
+  double mass = 0;      // [kg]
+  Mat3d inertia;        // about the center, in the world [kg m²]
+  Vec3d force, torque;  // load of the cloth that the velocity of the obstacle includes already [N] [N m]
+  double frame = 0;     // time in which impulses act on it: the length of a frame [s]
+};
+
+/// Free obstacle in the linear system of a step. Its velocity changes by −(M + B)⁻¹ (S + L + M q).
+struct FreeObstacle {
+  int obstacle = -1;                 // index in Inputs::obstacles
+  FreeInertia inertia;               // with masses for the impulses of the step
+  std::array<double, 36> inverse{};  // (M + B)⁻¹, with B the stiffness of its closed contacts [1/kg …]
+  Vec3d velocity, spin;              // q: change of its velocity by the solutions of the step [m/s] [rad/s]
 };
 
 /// Implicit contacts of the linear system, used by conjugate gradients.
@@ -81,7 +99,8 @@ struct ImplicitContacts {
   Contacts contacts;                   // vertex, weights, impulses
   std::vector<ImplicitContact> terms;  // terms of each contact
   std::vector<std::array<double, 6>>
-      inverse;  // inverse diagonal blocks of touched vertices without contact terms [1/kg]
+      inverse;                     // inverse diagonal blocks of touched vertices without contact terms [1/kg]
+  std::vector<FreeObstacle> free;  // obstacles that the cloth moves, ascending
 
   /// Tests whether any of the sixteen vertices from i on has an implicit contact.
   bool touches(std::size_t i) const {

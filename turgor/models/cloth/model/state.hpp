@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -99,6 +100,7 @@ struct State {
 /// Obstacle of a cloth (contact/obstacle.hpp). `moving` owns the surface that the view refers to.
 struct Obstacle : ObstacleView {
   std::shared_ptr<const MovingSurface> moving;
+  std::optional<FreeInertia> free;  // of an obstacle that the cloth moves; used by conjugate gradients only
 };
 
 /// Spring between a vertex and a position (forces/vertex_springs.hpp).

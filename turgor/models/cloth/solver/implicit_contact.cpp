@@ -7,6 +7,7 @@
 #include "turgor/core/assert.hpp"
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/cloth/contact/contact.hpp"
+#include "turgor/models/cloth/contact/free_obstacle.hpp"
 #include "turgor/models/cloth/model/contacts.hpp"
 #include "turgor/models/cloth/solver/system.hpp"
 
@@ -225,6 +226,7 @@ void find_implicit_contacts(const Exec& exec, const Model& model, State& state, 
   for (std::size_t n = 0; n < list.size(); n++)
     implicit_contacts.terms[n].closed_stiffness = implicit_contacts.terms[n].stick_stiffness =
         Real((list[n].obstacle < 0 ? kSelfContactStiffness : kContactStiffness) * resistance(list[n], state));
+  find_free_obstacles(inputs, state);
   if (inputs.obstacles.size() > 1 && !list.empty()) soften_squeezed(inputs, dt, state);
   // initial active set: warm-started or closing contacts
   for (std::size_t n = 0; n < list.size(); n++) {
@@ -236,6 +238,7 @@ void find_implicit_contacts(const Exec& exec, const Model& model, State& state, 
     const bool slips = norm(c.friction_impulse) >= Real(0.999) * c.friction * c.impulse;
     set_terms(c, state, dt, c.impulse > 0 || closes, slips, u, terms);
   }
+  factor_free_obstacles(state);
   if (!list.empty()) update_diagonal(state);
 }
 
@@ -251,6 +254,7 @@ bool update_active_set(const Model& model, State& state, double dt) {
   TURGOR_CHECK(state.implicit_contacts.terms.size() == state.implicit_contacts.contacts.list.size(),
                "every contact has its terms");
   ImplicitContacts& implicit_contacts = state.implicit_contacts;
+  move_free_obstacles(state);
   const Real tolerance = kPenetrationTolerance * Real(model.params.collision.thickness / dt);
   bool has_changed = false;
   double friction_error = 0, all = 0;  // error of friction, and all friction [N·s]
@@ -286,6 +290,7 @@ bool update_active_set(const Model& model, State& state, double dt) {
   // total errors of friction and of pressure
   has_changed =
       has_changed || friction_error > kFrictionTolerance * all || tension > kTensionTolerance * all_pressure;
+  factor_free_obstacles(state);
   if (has_changed) update_diagonal(state);
   return has_changed;
 }
@@ -301,7 +306,8 @@ bool presses_obstacle(const ImplicitContacts& contacts) {
   return false;
 }
 
-/// P of each closed contact is −K u, plus the load. It is found once, not once for each of its vertices.
+/// P of each closed contact is −K u, plus the load, where u is relative to free obstacles. It is found once,
+/// not once for each of its vertices.
 void find_impulses(const Exec& exec, State& state, const Vectors& a, bool with_loads) {
   constexpr std::size_t kGrain = 256;
   std::vector<Contact>& list = state.implicit_contacts.contacts.list;
@@ -312,13 +318,11 @@ void find_impulses(const Exec& exec, State& state, const Vectors& a, bool with_l
         const ImplicitContact& terms = state.implicit_contacts.terms[n];
         c.impulse_delta = {};
         if (!(terms.normal_stiffness > 0)) return;
-        const Vec3 u = weighted(c, a);
-        c.impulse_delta =
-            -u * terms.tangential_stiffness -
-            c.normal * ((terms.normal_stiffness - terms.tangential_stiffness) * dot(u, c.normal));
+        c.impulse_delta = resisting_impulse(c, terms, weighted(c, a));
         if (with_loads) c.impulse_delta += terms.load;
       },
       kGrain);
+  if (!state.implicit_contacts.free.empty()) yield_free_obstacles(with_loads, state);
 }
 
 Lanes3 implicit_contact_terms(const State& state, std::size_t i) {

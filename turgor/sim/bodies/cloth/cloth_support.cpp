@@ -10,6 +10,7 @@
 #include "turgor/core/sort_unique.hpp"
 #include "turgor/models/lattice/model/moving_mass.hpp"
 #include "turgor/models/lattice/model/whole_motion.hpp"
+#include "turgor/sim/bodies/cloth/free_support.hpp"
 #include "turgor/sim/organs/cloth_attachments.hpp"
 #include "turgor/sim/organs/free_lattice.hpp"
 #include "turgor/sim/world.hpp"
@@ -86,9 +87,10 @@ std::vector<lattice::NodeLoad> node_loads(const LatticeBody& body) {
   return loads;
 }
 
-void update_support(const Exec& exec, ClothSupport& support, World& world) {
+void update_support(const Exec& exec, ClothSupport& support, bool is_free, World& world) {
   TURGOR_CHECK(is_step_length(world.dt), "a frame has a positive length");
   std::vector<Vec3> now = surface_positions(exec, support, world);
+  if (is_free) support.positions = positions_before(world, support);
   const bool comparable = support.positions.size() == now.size();
   const TriMesh from{.vertices = comparable ? support.positions : now, .triangles = support.triangles};
   support.moving = cloth::moving_surface(from, comparable ? now : std::vector<Vec3>(), world.dt);
@@ -105,6 +107,15 @@ void record_force(const cloth::State& state, int obstacle, double dt, ClothSuppo
     if (impulse[v] != Vec3d{}) support.force.push_back({support.carrier[v], impulse[v] / dt});
 }
 
+/// Mass with the inertia of a sheet's stiffness over a frame [kg]. A free body of finite elements sticks to
+/// the sheet, which resists what it deforms along it, and does so a frame later.
+static double stiffness_as_mass(const World& world, const ClothBody& cloth, BodyId body) {
+  constexpr double kSides = 2;  // of a loaded vertex, along each thread
+  if (body.kind != BodyKind::kSfem || !moves_with(world, cloth, body)) return 0;
+  const cloth::Fabric& fabric = cloth.model.params.fabric;
+  return kSides * (fabric.warp + fabric.weft) * world.dt * world.dt;
+}
+
 ClothForces cloth_forces_on(const World& world, BodyId body) {
   ClothForces forces;
   for (const ClothBody& cloth : world.cloth_bodies) {
@@ -112,10 +123,11 @@ ClothForces cloth_forces_on(const World& world, BodyId body) {
     for (const ClothObstacle& obstacle : cloth.obstacles) {
       if (!obstacle.support || obstacle.support->body != body) continue;
       const auto& force = obstacle.support->force;
-      forces.force.insert(forces.force.end(), force.begin(), force.end());
       touches = touches || !force.empty();
+      if (body.kind == BodyKind::kRigid && moves_with(world, cloth, body)) continue;  // RigidBody::borne
+      forces.force.insert(forces.force.end(), force.begin(), force.end());
     }
-    if (touches) forces.mass += cloth.model.total_mass;
+    if (touches) forces.mass += cloth.model.total_mass + stiffness_as_mass(world, cloth, body);
   }
   for (const CoupledSupport& support : world.coupling.supports) {
     if (support.body != body) continue;

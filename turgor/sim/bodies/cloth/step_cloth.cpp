@@ -10,6 +10,7 @@
 #include "turgor/models/cloth/contact/contact.hpp"
 #include "turgor/sim/bodies/cloth/cloth_body.hpp"
 #include "turgor/sim/bodies/cloth/corner_forces.hpp"
+#include "turgor/sim/bodies/cloth/free_support.hpp"
 #include "turgor/sim/bodies/lack_of_memory.hpp"
 #include "turgor/sim/organs/cloth_attachments.hpp"
 #include "turgor/sim/organs/tied_cloths.hpp"
@@ -119,13 +120,15 @@ double compliance_of(const World& world, BodyId id) {
   return body.press ? largest(body.press->load.compliance) : 0;
 }
 
-cloth::Obstacle make_obstacle(const Exec& exec, ClothObstacle& obstacle, World& world) {
+cloth::Obstacle make_obstacle(const Exec& exec, const ClothBody& body, ClothObstacle& obstacle,
+                              World& world) {
   TURGOR_CHECK(int(obstacle.plane.has_value()) + int(obstacle.shape.has_value()) +
                        int(obstacle.surface != nullptr) + int(obstacle.support.has_value()) ==
                    1,
                "an obstacle has exactly one shape");
   // shape
   cloth::Obstacle result;
+  const bool is_free = obstacle.support && moves_with(world, body, obstacle.support->body);
   if (obstacle.plane)
     result = cloth::plane_obstacle(obstacle.plane->through, obstacle.plane->normal);
   else if (obstacle.shape)
@@ -133,12 +136,15 @@ cloth::Obstacle make_obstacle(const Exec& exec, ClothObstacle& obstacle, World& 
   else if (obstacle.surface)
     result = cloth::surface_obstacle(obstacle.surface);
   else
-    update_support(exec, *obstacle.support, world),
+    update_support(exec, *obstacle.support, is_free, world),
         result = cloth::surface_obstacle(obstacle.support->moving);
 
   // contact parameters
   result.friction = obstacle.friction, result.gap = obstacle.gap;
-  if (obstacle.support) result.compliance = compliance_of(world, obstacle.support->body);
+  if (is_free)
+    result.free = free_inertia(world, *obstacle.support), result.speed = largest_speed(*obstacle.support);
+  else if (obstacle.support)
+    result.compliance = compliance_of(world, obstacle.support->body);
   return result;
 }
 
@@ -206,7 +212,7 @@ ClothStep prepare_step(const Exec& exec, ClothBody& body, World& world, const Fr
   // obstacles: those of the scene, then the tools
   cloth::Inputs inputs{.gravity = world.gravity, .air = body.air, .measure_residual = measure};
   for (ClothObstacle& obstacle : body.obstacles)
-    inputs.obstacles.push_back(make_obstacle(exec, obstacle, world));
+    inputs.obstacles.push_back(make_obstacle(exec, body, obstacle, world));
   apply_commands(body, begin, end, world.tools);
   add_tools(body, world, input, inputs);
   inputs.springs = attachment_springs(exec, body, world);
@@ -230,6 +236,8 @@ void record_forces(const ClothStep& step, World& world) {
       if (!obstacle.support) continue;
       record_force(state, int(o), state.impulse_time, *obstacle.support);
       move_to_corners(world, *obstacle.support);
+      if (moves_with(world, body, obstacle.support->body))
+        move_support(state, int(o), *obstacle.support, world);
     }
     // holds
     std::span<const Vec3> v_before = step.v_before;

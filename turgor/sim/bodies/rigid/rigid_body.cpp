@@ -149,7 +149,7 @@ void press_body(const Exec&, RigidBody& body, const ClothForces& push, double dt
 
 contact::RigidLoad cloth_load_on(const RigidBody& body) {
   const Pose pose = rigid::pose_of(body.model, body.state);
-  contact::RigidLoad load;
+  contact::RigidLoad load = body.borne;
   for (const auto& [vertex, force] : body.cloth.force) {
     const Vec3d arm = to_world(pose, body.model.vertices[std::size_t(vertex)]) - body.state.center;
     load.force += force, load.torque += cross(arm, force);

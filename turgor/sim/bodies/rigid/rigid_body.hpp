@@ -41,6 +41,7 @@ struct RigidBody : FrameTouchedBody {
   double touch_stiffness = 2000;     // of a point that a tool touches [N/m]
   std::vector<RigidTouch> touches;   // one for each of tool_indices
   ClothLoad cloth;                   // by vertex
+  contact::RigidLoad borne;          // of cloth that moves with the body, in the next frame
   std::vector<RigidSample> samples;  // by frame
   std::vector<std::string> notes;
 };

@@ -115,7 +115,12 @@ void press_body(const Exec& exec, SfemBody& body, const ClothForces& push, doubl
   if (!body.press) body.press = ClothPress{{}, std::vector<Vec3d>(body.model.body.mesh.vertices.size())};
   ClothPress& press = *body.press;
   relax_toward(push, press.load);
-  press.displacement = displacement_under(exec, body, press.load.force);
+  std::vector<Vec3d> displacement = displacement_under(exec, body, press.load.force);
+  // the frame that ends had the former load
+  if (body.flight)
+    for (std::size_t v = 0; v < displacement.size(); v++)
+      body.flight->displacement[v] += press.displacement[v] - displacement[v];
+  press.displacement = std::move(displacement);
   measure_compliance(exec, body, press.load);
   choose_relaxation(push.mass, dt, press.load);
   press.load.relaxation = std::min(press.load.relaxation, kLargestRelaxation);
