@@ -17,7 +17,7 @@ struct Trembling {
 
 /// The largest trembling of a tool on a lattice, relative to its mean; empty below 5 %, and for other models.
 std::optional<Trembling> force_trembling(const TouchingTool& tool);
-/// Sentence about it; empty if there is none.
+/// Warning that the force on a tool trembles; empty if it does not.
 std::string trembling_note(const World& world, const TouchingTool& tool);
 
 }  // namespace turgor
