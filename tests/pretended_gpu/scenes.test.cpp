@@ -10,7 +10,8 @@
 namespace turgor {
 namespace {
 
-/// A cut, and a hook that pulls one lip up.
+/// A cut, and a hook that pulls one lip up. Without the coarse correction, which a GPU has without tools
+/// only.
 struct Retracted {
   World world;
   Measures measures;
@@ -18,11 +19,11 @@ struct Retracted {
 };
 Retracted retract(const std::string& device) {
   const Exec exec(2);
-  const Scene scene =
-      read_scene(TURGOR_SOURCE_DIR "/scenes/retract.toml",
-                 {"world.device=" + device, "body.torso.block=4", "body.torso.solver.ordering=colors",
-                  "world.duration=1.1", "body.torso.tissue.partial_cells=false"})
-          .value();
+  const Scene scene = read_scene(TURGOR_SOURCE_DIR "/scenes/retract.toml",
+                                 {"world.device=" + device, "body.torso.block=4",
+                                  "body.torso.solver.ordering=colors", "world.duration=1.1",
+                                  "body.torso.tissue.partial_cells=false", "body.torso.solver.coarse=false"})
+                          .value();
   Retracted run{.world = load_world(exec, scene).value(), .measures = {}, .downloaded = {}};
   run.measures = make_measures(run.world);
   for (int n = 0; n < frame_count(scene); n++) {

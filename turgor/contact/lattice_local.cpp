@@ -34,7 +34,7 @@ double node_stiffness(const LatticeTouch& touch, std::size_t contact) {
     const lattice::ContactPoints& points = touch.contact_points;
     return double(node.stiffness) * double(points.concentration[contact]) *
            double(share_sum(points, terms_of(points, points.leader[contact], 1))) /
-           double(lattice::kContactStiffness);
+           double(lattice::kPointContactStiffness);
   }
   TURGOR_CHECK(is_ascending(touch.nodes, &lattice::NodeContact::slot), "contacts ascend by node");
   const auto same = std::equal_range(touch.nodes.begin(), touch.nodes.end(), node,

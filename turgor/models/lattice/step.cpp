@@ -7,6 +7,7 @@
 #include "turgor/models/lattice/coarse/coupled_points.hpp"
 #include "turgor/models/lattice/lattice.hpp"
 #include "turgor/models/lattice/mechanics/contact_points.hpp"
+#include "turgor/models/lattice/mechanics/cut_elements.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 #include "turgor/models/lattice/solver/balance_momentum.hpp"
 #include "turgor/models/lattice/solver/calm_rows.hpp"
@@ -102,7 +103,18 @@ struct HostStep {
     if (plan.corrects && !(plan.may_sleep && is_slow) && !is_solved) {
       apply_coarse_correction(exec, model, state, inputs, dt);
       refresh_springs();
+      update_contact_forces();
     }
+  }
+  /// Forces of contacts where the last correction left them. Contacts between free bodies keep those of the
+  /// last sweep: with new ones, two blocks that collide win 1 % of energy.
+  void update_contact_forces() {
+    if (inputs.contacts.empty() || inputs.balances_momentum || inputs.measures_balance) return;
+    const CutElementForces cut_elements(model, state);
+    if (inputs.points)
+      PointContacts{inputs.contacts, *inputs.points, cut_elements.view}.update_forces();
+    else
+      update_forces(inputs.contacts, cut_elements.nodes);
   }
   void measure_residual_before() {
     if (plan.measures) residual.before = measure_residual(exec, model, state, inputs, dt).rms;

@@ -109,7 +109,7 @@ TEST(CoupledPoints, SolutionHasStiffnessOfThreads) {
   for (int n = 0; n < 5; n++) {
     const std::vector<double> f = random_forces(), h = random_forces();
     const std::vector<double> alone = body.space().factor.solve(f),
-                              x = solve_coupled(body.space(), &body.springs, f);
+                              x = solve_coupled(body.space(), &body.springs, {}, f);
     const std::vector<double> of_x = body.extensions(x), of_h = body.extensions(body.space().factor.solve(h));
     double expected = 0, scale = 0;
     for (std::size_t t = 0; t < of_x.size(); t++) {
@@ -122,7 +122,7 @@ TEST(CoupledPoints, SolutionHasStiffnessOfThreads) {
   ASSERT_TRUE(prepare_coarse_space(body.model, body.state, {}, kFrameTime));
   EXPECT_FALSE(has_coupled_points(body.state));
   const std::vector<double> f = random_forces();
-  EXPECT_EQ(solve_coupled(body.space(), nullptr, f), body.space().factor.solve(f));
+  EXPECT_EQ(solve_coupled(body.space(), nullptr, {}, f), body.space().factor.solve(f));
 }
 
 // Corrections alone settle a body whose stiff threads are too short: after four, the Newton step is a

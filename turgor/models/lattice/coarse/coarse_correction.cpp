@@ -88,7 +88,10 @@ struct HostCorrection {
     if (inputs.springs && inputs.springs->refresh) inputs.springs->refresh(state);
     residual = lattice::restrict_residual(exec, model, state, inputs, dt);
   }
-  void solve() { correction = solve_coupled(*state.workspace.coarse, inputs.springs, residual); }
+  void solve() {
+    correction = solve_coupled(*state.workspace.coarse, inputs.springs,
+                               find_contact_columns(model, state, inputs), residual);
+  }
   void begin_search() { search.begin(work(residual, correction)); }
   void prolongate() {
     if (search.change != 0) add_prolongation(exec, model, state, correction, search.change);
@@ -109,8 +112,8 @@ bool is_blade_active(State& state, std::size_t cuts) {
 bool is_at_rest(const Model& model, const State& state, const Inputs& inputs, double dt) {
   constexpr double kStill = 1e-6;  // cells per step; above rounding errors
   const Vec3 h = model.anatomy.lattice.spacing;
-  return cut_version(state.cuts) == 0 && inputs.loads.empty() && inputs.springs == nullptr &&
-         norm(inputs.gravity) == 0 &&
+  return cut_version(state.cuts) == 0 && inputs.loads.empty() && inputs.contacts.empty() &&
+         inputs.springs == nullptr && norm(inputs.gravity) == 0 &&
          double(state.motion.fastest) * dt < kStill * double(std::min({h.x, h.y, h.z}));
 }
 
@@ -125,7 +128,7 @@ bool supports_coarse_space(const Model& model) {
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt,
                           const Exec& exec) {
   TURGOR_CHECK(is_step_length(dt), "a step has a positive length");
-  if (!supports_coarse_space(model) || !inputs.contacts.empty()) return false;
+  if (!supports_coarse_space(model)) return false;
   const std::size_t cuts = cut_version(state.cuts);
   const bool blade_active = is_blade_active(state, cuts);
   if (is_at_rest(model, state, inputs, dt)) return false;

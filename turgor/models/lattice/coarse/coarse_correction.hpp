@@ -157,9 +157,9 @@ void visit_residual_forces(const Exec& exec, const Model& model, State& state, c
 /// True if the model's parameters permit a coarse space. prepare_coarse_space decides for each step.
 bool supports_coarse_space(const Model& model);
 /// Rebuilds the space after cuts or for a longer time step. Returns true if this step can use it. Returns
-/// false with contacts, without supports_coarse_space, for a body at rest, or for a much shorter time step.
+/// false without supports_coarse_space, for a body at rest, or for a much shorter time step.
 /// Also returns false if a rebuild is due while a blade still cuts. The operator has the couplings of
-/// Inputs::springs.
+/// Inputs::springs. Contacts need the host: kernels of corrections have none.
 bool prepare_coarse_space(const Model& model, State& state, const Inputs& inputs, double dt,
                           const Exec& exec = Exec(1));
 /// Result of a correction.

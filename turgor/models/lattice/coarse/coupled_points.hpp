@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "turgor/models/lattice/coarse/coarse_correction.hpp"
+#include "turgor/models/lattice/coarse/contact_columns.hpp"
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 
 namespace turgor::lattice {
@@ -23,23 +23,11 @@ struct CoupledPoint {
   friend bool operator==(const CoupledPoint&, const CoupledPoint&) = default;
 };
 
-/// Number of an unknown's component, and the derivative of a coupled displacement by it.
-struct CoupledTerm {
-  int number = 0;
-  double weight = 0;
-};
-
 /// Couplings of a body, in the order of its springs.
 struct CoupledPoints {
   std::vector<CoupledPoint> points;
-  std::vector<int> begin;            // by column of U, and the end: indices into `terms`
-  std::vector<CoupledTerm> terms;    // U, column by column [1]
+  PointColumns columns;              // U
   std::vector<double> displacement;  // Uᵀ A⁻¹ U, symmetric, row by row [m/N]
-
-  std::size_t count() const { return begin.size() - 1; }
-  std::span<const CoupledTerm> column(std::size_t c) const {
-    return std::span(terms).subspan(std::size_t(begin[c]), std::size_t(begin[c + 1] - begin[c]));
-  }
 };
 
 /// Sets CoarseSpace::coupled of the state's space for the couplings of these springs, if their points or the
@@ -48,10 +36,10 @@ void couple_points(const Model& model, State& state, const PointSprings* springs
 /// True if stitches couple points in the coarse space of the state.
 bool has_coupled_points(const State& state);
 
-/// Solves the coarse operator with the present stiffnesses of the couplings [m]. `forces`: three components
-/// per unknown [N]. The springs are those of couple_points.
+/// Solves the coarse operator with the present stiffnesses of the couplings and of contacts [m]. `forces`:
+/// three components per unknown [N]. The springs are those of couple_points.
 std::vector<double> solve_coupled(const CoarseSpace& space, const PointSprings* springs,
-                                  std::span<const double> forces);
+                                  const ContactColumns& contacts, std::span<const double> forces);
 
 /// Memory of the couplings [bytes].
 std::size_t memory_bytes(const CoupledPoints& coupled);

@@ -5,7 +5,9 @@
 #include "turgor/core/invariants.hpp"
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
 #include "turgor/models/lattice/coarse/coarse_levels.hpp"
+#include "turgor/models/lattice/coarse/contact_columns.hpp"
 #include "turgor/models/lattice/mechanics/cells.hpp"
+#include "turgor/models/lattice/mechanics/contact_points.hpp"
 #include "turgor/models/lattice/mechanics/cut_elements.hpp"
 #include "turgor/models/lattice/mechanics/law_cells.hpp"
 #include "turgor/models/lattice/mechanics/node_forces.hpp"
@@ -247,6 +249,25 @@ void add_springs_at_points(const Model& model, const CutElementForces& cut_eleme
     virtual_nodes[std::size_t(node.corner - slot_count(l))].move(force(terms_of(springs, node.corner, 1)));
 }
 
+/// Adds contacts.
+void add_contacts(const Model& model, const CutElementForces& cut_elements, const Inputs& inputs,
+                  std::span<const ContactForce> forces, int k, TwoLayers out,
+                  std::vector<VirtualNodeDisplacement>& virtual_nodes) {
+  const Lattice& l = model.anatomy.lattice;
+  const int begin = row_slot(l, -1, k);
+  if (inputs.points == nullptr) {
+    for (const NodeContact& c : contacts_of(inputs.contacts, begin, layer_stride(l)))
+      out.add(c.slot, k, forces[std::size_t(&c - inputs.contacts.data())].force);
+    return;
+  }
+  for (const ContactTerm& t : terms_of(*inputs.points, begin, layer_stride(l)))
+    out.add(t.corner, k, forces[std::size_t(t.contact)].force * t.weight);
+  for (const ElementNode& node : cut_elements.virtual_nodes_of(k))
+    for (const ContactTerm& t : terms_of(*inputs.points, node.corner, 1))
+      virtual_nodes[std::size_t(node.corner - slot_count(l))].move(forces[std::size_t(t.contact)].force *
+                                                                   t.weight);
+}
+
 /// Adds loose edges that begin in a layer. Slots ascend with layers.
 void add_loose_edges(const Model& model, const Motion& motion, const CoarseSpace& space, int k,
                      TwoLayers out) {
@@ -283,6 +304,7 @@ void visit_residual_forces(const Exec& exec, const Model& model, State& state, c
   const CellLawView laws = cell_law_view(model, state);
   const SkinForces skin(model);
   const CutElementForces cut_elements(model, state);
+  const std::vector<ContactForce> contacts = contact_forces(model, state, inputs);
   const int layers = model.anatomy.lattice.size.z;
   // chunks of layers in parallel
   parallel_for(exec, kLayerChunks, [&](std::size_t chunk) {
@@ -308,6 +330,8 @@ void visit_residual_forces(const Exec& exec, const Model& model, State& state, c
       add_cells(k);
       add_prestress_and_cut_elements(model, cut_elements, k, out, workspace.virtual_nodes);
       add_springs_at_points(model, cut_elements, inputs.springs, k, out, workspace.virtual_nodes);
+      if (!contacts.empty())
+        add_contacts(model, cut_elements, inputs, contacts, k, out, workspace.virtual_nodes);
       visit(int(chunk), k, {field, out.shift(k)});
     }
   });

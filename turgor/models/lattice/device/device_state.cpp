@@ -66,7 +66,8 @@ StepReport DeviceState::step_on_device(const Exec& exec, const Model& model, con
   mirrored_->move_to_device();
   // step on the device
   State& state = mirrored_->host_state;
-  const bool use_coarse_space = prepare_coarse_space(model, state, inputs, dt, exec);
+  const bool use_coarse_space =
+      inputs.contacts.empty() && prepare_coarse_space(model, state, inputs, dt, exec);
   const StepReport report =
       mirrored_->backend->step(model, state.cut_elements, use_coarse_space ? state.workspace.coarse : nullptr,
                                state.motion.fastest, inputs, dt);

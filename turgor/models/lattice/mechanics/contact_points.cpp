@@ -1,6 +1,7 @@
 #include "turgor/models/lattice/mechanics/contact_points.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace turgor::lattice {
 
@@ -17,13 +18,17 @@ void make_terms(const CornerNodes& nodes, ContactPoints& points) {
   points.terms.clear(), points.concentration.clear();
   for (std::size_t p = 0; p < points.at.size(); p++) {
     const EmbeddedPoint& point = points.at[p];
-    Real sum = 0;
+    const std::size_t first = points.terms.size();
+    Real squares = 0, weights = 0;
     for (std::size_t c = 0; c < 8; c++) {
-      if (point.weight[c] == 0 || !nodes.is_free(point.corner[c])) continue;
-      points.terms.push_back({point.corner[c], int(p), point.weight[c]});
-      sum += point.weight[c] * point.weight[c];
+      const Real w = point.weight[c];
+      if (w == 0 || !nodes.is_free(point.corner[c])) continue;
+      points.terms.push_back({.corner = point.corner[c], .contact = int(p), .weight = w});
+      squares += w * w, weights += std::abs(w);
     }
-    points.concentration.push_back(sum);
+    for (std::size_t t = first; t < points.terms.size(); t++)
+      points.terms[t].share = std::abs(points.terms[t].weight) * weights;
+    points.concentration.push_back(squares);
   }
   std::stable_sort(points.terms.begin(), points.terms.end(),
                    [](const ContactTerm& a, const ContactTerm& b) { return a.corner < b.corner; });
@@ -42,30 +47,30 @@ Real share_sum(const ContactPoints& points, std::span<const ContactTerm> terms) 
   return sum;
 }
 
-void PointContacts::add(std::span<const ContactTerm> terms, Vec3 to_inertial, Real mobility,
-                        NodeSystem& s) const {
-  const Real own = (s.xx + s.yy + s.zz) / 3 + 1 / mobility;
-  const Real stiffness = kContactStiffness * own / share_sum(points, terms);
-  const Vec3 without = newton_step(s, to_inertial, mobility);
-  for (const ContactTerm& term : terms) {
-    NodeContact& c = contacts[std::size_t(term.contact)];
-    if (leads(term)) c.stiffness = stiffness / points.concentration[std::size_t(term.contact)];
-    // force of the contact at the present displacement
-    const Vec3 at = u(term);
-    const bool active = terms.size() == 1 ? is_active(c, at + without * term.weight) : was_active(c);
-    const ContactForce contact = contact_force(c, at, active);
-    // its share
-    const Real w2 = term.weight * term.weight;
-    s.f += contact.force * term.weight;
-    add_outer(s, c.normal, (contact.along - contact.across) * w2);
-    add_isotropic(s, contact.across * w2);
-  }
+Real PointContacts::penalty(std::size_t contact, Real own) const {
+  const Real shares = share_sum(points, terms_of(points, points.leader[contact], 1));
+  return kPointContactStiffness * own / (shares * points.concentration[contact]);
 }
 
-void PointContacts::update_forces(std::span<const ContactTerm> terms) const {
+std::vector<ContactForce> PointContacts::forces() const {
+  std::vector<ContactForce> forces;
+  for (std::size_t c = 0; c < contacts.size(); c++)
+    forces.push_back(contact_force(contacts[c], u(c), was_active(contacts[c])));
+  return forces;
+}
+
+void PointContacts::update_forces() const {
+  for (std::size_t c = 0; c < contacts.size(); c++)
+    contacts[c].force = contact_force(contacts[c], u(c)).force;
+}
+
+void add_contacts(std::span<const ContactTerm> terms, std::span<const NodeContact> contacts,
+                  std::span<const ContactForce> forces, NodeSystem& s) {
   for (const ContactTerm& term : terms) {
-    NodeContact& c = contacts[std::size_t(term.contact)];
-    if (leads(term)) c.force = contact_force(c, u(term)).force;
+    const ContactForce& contact = forces[std::size_t(term.contact)];
+    s.f += contact.force * term.weight;
+    add_outer(s, contacts[std::size_t(term.contact)].normal, (contact.along - contact.across) * term.share);
+    add_isotropic(s, contact.across * term.share);
   }
 }
 

@@ -1,8 +1,12 @@
 // Contacts at points embedded in cells. The force of a contact acts on the corners of its cell by their
 // weights in the displacement of the point. In a cut cell, corners are those of a fragment, nodes or virtual
-// nodes. One corner leads: its stiffness sets the penalty, and the force of the contact is updated after it
-// has moved. Corners of a cell never move at the same time, so that the result does not depend on the number
-// of threads.
+// nodes. The stiffness of one corner, which leads, sets the penalty.
+//
+// A sweep takes each contact at the displacements with which it begins. Every corner has the share w of the
+// force there, and |w| Σ|w| of the stiffness. These shares bound the stiffness between corners (w w') by the
+// sums of its rows, so that a sweep never raises the energy. The force is updated after the sweep. If it were
+// updated between the corners, or if each corner closed the gap alone, the result of a few sweeps would
+// depend on the order of the corners, and press the tissue off the tool.
 #pragma once
 
 #include <span>
@@ -13,6 +17,10 @@
 #include "turgor/models/lattice/mechanics/point_springs.hpp"
 
 namespace turgor::lattice {
+
+/// Stiffness of a contact at a point over that of its leading corner, as kContactStiffness of a node. Forces
+/// on finer cells do not come to rest from about 10 on; between 0.3 and 3 they hardly differ.
+constexpr Real kPointContactStiffness = 3;
 
 /// Nodes of corners. The node of a virtual node is the one that it doubles.
 struct CornerNodes {
@@ -30,7 +38,8 @@ struct CornerNodes {
 struct ContactTerm {
   int corner = 0;   // as in CutCellElement
   int contact = 0;  // index into Inputs::contacts
-  Real weight = 0;  // in the displacement of the point
+  Real weight = 0;  // w in the displacement of the point; negative where the point lies outside its cell
+  Real share = 0;   // of the stiffness: |w| Σ |w|
 };
 
 /// Points of Inputs::contacts. The slot of each contact is the node of its leading corner; `other` is unused.
@@ -56,16 +65,20 @@ struct PointContacts {
   const ContactPoints& points;
   const CutElementView& view;
 
-  Vec3 u(const ContactTerm& term) const {
-    return displacement(points.at[std::size_t(term.contact)], [this](int corner) { return view.u(corner); });
+  Vec3 u(std::size_t contact) const {
+    return displacement(points.at[contact], [this](int corner) { return view.u(corner); });
   }
-  bool leads(const ContactTerm& term) const {
-    return points.leader[std::size_t(term.contact)] == term.corner;
-  }
-  /// Adds the contacts of one corner to its system, as add_contacts does. `terms`: of the corner.
-  void add(std::span<const ContactTerm> terms, Vec3 to_inertial, Real mobility, NodeSystem& s) const;
-  /// Updates the forces of the contacts that these corners lead.
-  void update_forces(std::span<const ContactTerm> terms) const;
+  /// Penalty stiffness of a contact. `own`: stiffness of its leading corner with its inertia [N/m].
+  Real penalty(std::size_t contact, Real own) const;
+  /// Forces and stiffnesses of the contacts at the present displacements.
+  std::vector<ContactForce> forces() const;
+  /// Updates the forces of the contacts after a sweep.
+  void update_forces() const;
 };
+
+/// Adds the shares of the contacts of one corner to its system. `terms`: of the corner; `forces`: of all
+/// contacts, before the sweep.
+void add_contacts(std::span<const ContactTerm> terms, std::span<const NodeContact> contacts,
+                  std::span<const ContactForce> forces, NodeSystem& s);
 
 }  // namespace turgor::lattice

@@ -140,7 +140,8 @@ struct VbdSweep {
   const GatherSystems& gather;
   const Inertia& inertia;
   std::span<NodeContact> contacts;
-  const ContactPoints* points;  // of the contacts; null: they act on nodes
+  const ContactPoints* points;                     // of the contacts; null: they act on nodes
+  std::span<const ContactForce> forces_at_points;  // before the sweep
   Order order;
   Sleep& sleep;
   Real wake_distance2;  // squared displacement per step above which a row wakes its neighbors [m²]; negative:
@@ -197,7 +198,6 @@ struct VbdSweep {
     if (any_removed) restore_removed(removed, slot, count);
     // contact forces
     update_forces(node_contacts, gather.nodes);
-    if (!terms.empty()) PointContacts{contacts, *points, gather.cut_elements.view}.update_forces(terms);
     // wake neighbors
     const auto row = std::size_t(row_of(gather.model, slot));
     if (calm && before.has_moved(gather.nodes, slot, count, wake_distance2 * Real(kCalmShare * kCalmShare)))
@@ -240,10 +240,8 @@ struct VbdSweep {
     if (!is_loaded || !(gather.nodes.w[node.slot] > 0)) return gather.cut_elements.solve(node);
     // springs and contacts
     NodeSystem system = gather.virtual_node(node);
-    if (!terms.empty())
-      PointContacts{contacts, *points, view}.add(terms, {}, weightless_mobility(system), system);
+    add_contacts(terms, contacts, forces_at_points, system);
     view.move(node, system);
-    if (!terms.empty()) PointContacts{contacts, *points, view}.update_forces(terms);
   }
 
   /// Adds contacts to the systems of their nodes.
@@ -262,13 +260,11 @@ struct VbdSweep {
 
   /// Adds contacts at points to the systems of their corners.
   void add_contacts_at_points(std::span<const ContactTerm> terms, int slot, SystemBuffer& buffer) const {
-    const PointContacts at_points{contacts, *points, gather.cut_elements.view};
     for (std::size_t begin = 0, end = 0; begin < terms.size(); begin = end) {
       const int node = terms[begin].corner;
       while (end < terms.size() && terms[end].corner == node) end++;
       NodeSystem system = buffer.get(node - slot);
-      at_points.add(terms.subspan(begin, end - begin), inertia(node) - gather.nodes.u(node),
-                    inertia.dt * inertia.dt * gather.nodes.w[node], system);
+      add_contacts(terms.subspan(begin, end - begin), contacts, forces_at_points, system);
       buffer.set(node - slot, system);
     }
   }
@@ -369,7 +365,33 @@ struct VbdSweep {
   }
 };
 
-/// Calls sweep(rows) with the kernel of a sweep, and handles sleep.
+/// Stiffness of a corner of a slot with its inertia [N/m].
+Real stiffness_of_corner(const GatherSystems& gather, const Inertia& inertia, int corner, int slot) {
+  const auto with_inertia = [](const NodeSystem& s, Real mobility) {
+    return (s.xx + s.yy + s.zz) / 3 + 1 / mobility;
+  };
+  if (corner != slot) {
+    for (const ElementNode& node : gather.cut_elements.virtual_nodes_of(slot, 1))
+      if (node.corner == corner) {
+        const NodeSystem system = gather.virtual_node(node);
+        return with_inertia(system, weightless_mobility(system));
+      }
+    return 0;  // a virtual node without elements
+  }
+  SystemBuffer buffer;
+  gather(slot / gather.model.anatomy.lattice.half & 1, slot - slot % kGroup, kGroup, buffer);
+  return with_inertia(buffer.get(slot % kGroup), inertia.dt * inertia.dt * gather.nodes.w[slot]);
+}
+
+/// Sets the penalties of contacts at points in the first sweep of a step.
+void set_penalties(const GatherSystems& gather, const Inertia& inertia, const PointContacts& at_points) {
+  for (std::size_t c = 0; c < at_points.contacts.size(); c++)
+    if (NodeContact& contact = at_points.contacts[c]; contact.stiffness == 0)
+      contact.stiffness = at_points.penalty(
+          c, stiffness_of_corner(gather, inertia, at_points.points.leader[c], contact.slot));
+}
+
+/// Calls sweep(rows) with the kernel of a sweep, and handles contacts at points and sleep.
 template <class Sweep>
 void with_vbd_sweep(const Model& model, State& state, const Inputs& inputs, double dt, Order order,
                     CalmRows* calm, const Sweep& sweep) {
@@ -383,8 +405,25 @@ void with_vbd_sweep(const Model& model, State& state, const Inputs& inputs, doub
   if (sleeps)
     for (std::size_t row = 0; row < state.sleep.moved.size(); row++)
       if (!calm || calm->swept[row]) state.sleep.moved[row] = 0;
-  sweep(VbdSweep{gather, inertia, inputs.contacts, inputs.points, order, state.sleep,
-                 sleeps ? wake_distance * wake_distance : Real(-1), sleeps ? calm : nullptr});
+  VbdSweep rows{gather,
+                inertia,
+                inputs.contacts,
+                inputs.points,
+                {},
+                order,
+                state.sleep,
+                sleeps ? wake_distance * wake_distance : Real(-1),
+                sleeps ? calm : nullptr};
+  if (inputs.points) {
+    const PointContacts at_points{inputs.contacts, *inputs.points, gather.cut_elements.view};
+    set_penalties(gather, inertia, at_points);
+    const std::vector<ContactForce> forces = at_points.forces();
+    rows.forces_at_points = forces;
+    sweep(rows);
+    at_points.update_forces();
+  } else {
+    sweep(rows);
+  }
   if (sleeps) wake_neighbors(model, state);
 }
 
