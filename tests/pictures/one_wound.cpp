@@ -62,7 +62,7 @@ Lips lips_of_mesh(const fs::path& file, std::size_t wall_begin, const Station& a
   return lips;
 }
 
-/// Lips of the deformed CT: the walls one and two millimeters below the lips, extrapolated linearly to the
+/// Lips of the deformed CT: the walls half a millimeter and one below the lips, extrapolated linearly to the
 /// lips.
 Lips lips_of_ct(const LatticeBody& body, const Station& at, const Lips& near) {
   constexpr double kSample = 0.1e-3, kSide = 0.06;
@@ -83,8 +83,8 @@ Lips lips_of_ct(const LatticeBody& body, const Station& at, const Lips& near) {
     return (i - direction * 0.5) * kSample - kSide / 2;
   };
   const auto at_lip = [&](int direction, double depth) {
-    const double one = wall(10, direction), two = wall(20, direction), below = top + 10 * kSample;
-    return one + (two - one) * (depth - below) / (10 * kSample);
+    const double half = wall(5, direction), one = wall(10, direction), below = top + 5 * kSample;
+    return half + (one - half) * (depth - below) / (5 * kSample);
   };
   return {.left = at_lip(-1, near.left_depth), .right = at_lip(1, near.right_depth)};
 }
