@@ -6,6 +6,7 @@
 #include "turgor/core/plain_text.hpp"
 #include "turgor/models/lattice/coarse/coarse_correction.hpp"
 #include "turgor/models/lattice/model/fields.hpp"
+#include "turgor/models/lattice/model/moving_mass.hpp"
 #include "turgor/models/lattice/solver/viscosity.hpp"
 #include "turgor/sim/report/section.hpp"
 #include "turgor/sim/scene/scene_cells.hpp"
@@ -74,6 +75,8 @@ const Quantity<LatticeInput> kLattice[] = {
      [](const LatticeInput& l) -> Json { return l.body.model.anatomy.body_nodes; }, kEverywhere},
     {"free_nodes", kCount, "free nodes",
      [](const LatticeInput& l) -> Json { return l.body.model.anatomy.free_nodes; }},
+    {"moving_mass", kGrams, "mass of the free nodes",
+     [](const LatticeInput& l) -> Json { return lattice::moving_mass(l.body.model.anatomy); }},
     {"skin_triangles", kCount, "skin triangles",
      [](const LatticeInput& l) -> Json { return l.body.model.anatomy.skin.triangles.size(); }, kEverywhere},
     {"surface_cells", kNone, "cells at the surface",

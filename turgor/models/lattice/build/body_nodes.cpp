@@ -13,24 +13,35 @@ namespace turgor::lattice {
 
 namespace {
 
+/// Voxels around a node, which is between two voxels. A block of odd width ends in the middle of voxels: half
+/// of these belongs to the next node, so that every voxel counts once in the mass of the body.
 struct Range {
   int begin, end;
+  int first, last;  // without the limits of the scan
+  bool has_halves;  // the voxels `first` and `last` − 1 count half
+
+  int weight(int voxel) const { return has_halves && voxel != first && voxel != last - 1 ? 2 : 1; }
+  int weight() const {
+    int sum = 0;
+    for (int v = begin; v < end; v++) sum += weight(v);
+    return sum;
+  }
 };
-/// Voxels around node `i`, which is between two voxels.
 Range block_range(int i, int block, int voxels) {
   TURGOR_CHECK(block > 0 && voxels > 0, "a block has at least one voxel");
-  const int reach = (block + 1) / 2;
-  return {std::clamp(i * block - reach, 0, voxels - 1), std::clamp(i * block + reach, 1, voxels)};
+  const int reach = (block + 1) / 2, first = i * block - reach, last = i * block + reach;
+  return {std::clamp(first, 0, voxels - 1), std::clamp(last, 1, voxels), first, last, block % 2 == 1};
 }
 
-/// Adds a row of voxels to the sums; surroundings count as air.
+/// Adds a row of voxels times a factor to the sums; surroundings count as air.
 void add_row(const CtSlab& ct, const Surroundings& surroundings, const BodyVoxels& body, int j, int k,
-             std::vector<int>& sums) {
+             int factor, std::vector<int>& sums) {
   const std::int16_t* row = ct.row(j, k);
   const std::uint8_t* kinds = surroundings.row(j, k);
   for (std::size_t i = 0; i < sums.size(); i++)
     sums[i] +=
-        kinds[int(i) / surroundings.cell.x] == kBodyCell ? row[i] : int(std::lround(body({int(i), j, k})));
+        factor *
+        (kinds[int(i) / surroundings.cell.x] == kBodyCell ? row[i] : int(std::lround(body({int(i), j, k}))));
 }
 
 /// Block means of one layer of nodes. Whole rows are summed over j and k first.
@@ -57,20 +68,21 @@ struct AverageLayer {
       for (int vk = ks.begin; vk < ks.end; vk++)
         for (int vj = js.begin; vj < js.end; vj++) {
           const std::int16_t* row = ct.row(vj, vk);
+          const int factor = ks.weight(vk) * js.weight(vj);
           if (surroundings.has_row(vj, vk)) {
-            add_row(ct, surroundings, body, vj, vk, sums);
+            add_row(ct, surroundings, body, vj, vk, factor, sums);
             continue;
           }
-          for (int vi = 0; vi < nx; vi++) sums[std::size_t(vi)] += row[vi];
+          for (int vi = 0; vi < nx; vi++) sums[std::size_t(vi)] += factor * row[vi];
         }
       // means over i
-      const int rows = (ks.end - ks.begin) * (js.end - js.begin);
+      const int rows = ks.weight() * js.weight();
       for (int i = 0; i < nodes.size.x; i++) {
         const Range is = block_range(i, block.x, nx);
         long sum = 0;
-        for (int vi = is.begin; vi < is.end; vi++) sum += sums[std::size_t(vi)];
+        for (int vi = is.begin; vi < is.end; vi++) sum += long(is.weight(vi)) * sums[std::size_t(vi)];
         TURGOR_CHECK(rows > 0 && is.end > is.begin, "a mean is over at least one voxel");
-        const double mean = double(sum) / (double(rows) * (is.end - is.begin));
+        const double mean = double(sum) / (double(rows) * is.weight());
         hu[sample_index(nodes, i, j, int(layer))] = std::int16_t(std::lround(mean));
       }
     }
