@@ -66,22 +66,16 @@ TEST(SceneCells, NeedleNeedsWholeCells) {
             "whole, since tool.pin is a needle");
 }
 
-// Lattices that touch chains or lattices have whole cells. Those that touch the ground or a rigid body have
-// partial ones.
-TEST(SceneCells, ContactOfSoftBodiesNeedsWholeCells) {
-  const std::pair<const char*, bool> others[] = {
-      {"ground", true}, {"ball", true}, {"liver", false}, {"c", false}};
+// Lattices that touch other bodies have partial cells: whole ones weigh too little.
+TEST(SceneCells, ContactKeepsPartialCells) {
   const std::string bodies =
       "[body.ball]\nmodel = \"rigid\"\nshape = { sphere = 0.01 }\nmass = 0.1\n[body.liver]\nmodel = "
       "\"rhombus\"\nsurface = { phantom = \"liver\" }\n[body.c]\nmodel = \"lattice\"\nct = { phantom = "
       "\"leg\" }\n";
-  for (const auto& [other, is_partial] : others) {
-    const LatticeScene scene =
-        scene_of_cells(bodies + "[contact.rest]\nbetween = [\"b\", \"" + other + "\"]\n");
-    EXPECT_EQ(scene.params.tissue.partial_cells, is_partial) << other;
-    EXPECT_EQ(cells_text(scene),
-              is_partial ? "partial" : "whole, since contact.rest is with a lattice or chains");
-  }
+  for (const std::string other : {"ground", "ball", "liver", "c"})
+    EXPECT_EQ(cells_text(scene_of_cells(bodies + "[contact.rest]\nbetween = [\"b\", \"" + other + "\"]\n")),
+              "partial")
+        << other;
 }
 
 // Recordings that store no cells mean whole cells where the scene does not choose.

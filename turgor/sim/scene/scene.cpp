@@ -190,7 +190,7 @@ void read_organs(SceneTable& root, Scene& scene) {
   for (const std::string& name : contacts.names())
     scene.body_contacts.push_back(read_body_contact(contacts.named(name), name, scene));
   contacts.finish();
-  use_whole_cells_in_contacts(scene);
+  use_whole_cells_under_tools(scene);
 }
 
 /// Refuses scenes whose output would exhaust memory or disk.

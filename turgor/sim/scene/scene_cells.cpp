@@ -62,7 +62,7 @@ void choose_cells(SceneTable& body, LatticeScene& scene) {
   scene.params.tissue.partial_cells = scene.whole_cells_reason.empty();
 }
 
-void use_whole_cells_in_contacts(Scene& scene) {
+void use_whole_cells_under_tools(Scene& scene) {
   const auto use_whole = [&scene](BodyId id, std::string reason) {
     if (id.kind != BodyKind::kLattice || !is_index(id.index, scene.lattice_bodies.size())) return;
     LatticeScene& lattice = scene.lattice_bodies[std::size_t(id.index)];
@@ -70,14 +70,6 @@ void use_whole_cells_in_contacts(Scene& scene) {
     lattice.params.tissue.partial_cells = false;
     lattice.whole_cells_reason = std::move(reason);
   };
-  const auto is_soft = [](const std::optional<BodyId>& id) {
-    return id && (id->kind == BodyKind::kLattice || id->kind == BodyKind::kRhombus);
-  };
-  for (const BodyContactScene& contact : scene.body_contacts) {
-    if (!is_soft(contact.body) || !is_soft(contact.other)) continue;
-    for (const BodyId id : {contact.body, *contact.other})
-      use_whole(id, fmt::format("contact.{} is with a lattice or chains", contact.name));
-  }
   for (const ToolScene& tool : scene.tools) {
     if (scene.device == Device::kGpu)
       use_whole(tool.body, fmt::format("tool.{} touches it on a GPU", tool.name));

@@ -20,10 +20,9 @@ void check_gpu(SceneTable& body, const lattice::Params& params);
 /// in a running world.
 void choose_cells(SceneTable& body, LatticeScene& scene);
 
-/// Sets whole cells for lattices that touch other lattices or chains ([contact.NAME]), and for those on a GPU
-/// that tools touch, unless the scene chooses: with partial cells, the former contacts lose momentum, and the
-/// latter act below the surface that bears (docs/models/partial-cells.md, Limits).
-void use_whole_cells_in_contacts(Scene& scene);
+/// Sets whole cells for lattices with a needle, and for those on a GPU that tools touch, unless the scene
+/// chooses (docs/models/partial-cells.md, Limits).
+void use_whole_cells_under_tools(Scene& scene);
 
 /// Sets the cells that a recording has.
 void set_recorded_cells(LatticeScene& scene, bool partial);
