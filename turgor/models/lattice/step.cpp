@@ -86,6 +86,14 @@ struct HostStep {
     refresh_springs();
     sweep_vbd(exec, model, state, inputs, dt, order, plan.may_sleep && plan.corrects ? &calm : nullptr);
   }
+  /// True if other free bodies bear the forces of the contacts.
+  bool has_free_partner() const { return inputs.balances_momentum || inputs.measures_balance; }
+  /// A body in contact that nothing fixes moves as a whole, which sweeps do slowly, and touches or not. With
+  /// two corrections a step, it bounces at rest.
+  bool alternates() const {
+    const bool is_free = model.anatomy.free_nodes >= model.anatomy.body_nodes;
+    return plan.corrects && is_free && !inputs.contacts.empty() && !inputs.balances_momentum;
+  }
   void refresh_springs() {
     if (inputs.springs && inputs.springs->refresh) inputs.springs->refresh(state);
   }
@@ -109,7 +117,7 @@ struct HostStep {
   /// Forces of contacts where the last correction left them. Contacts between free bodies keep those of the
   /// last sweep: with new ones, two blocks that collide win 1 % of energy.
   void update_contact_forces() {
-    if (inputs.contacts.empty() || inputs.balances_momentum || inputs.measures_balance) return;
+    if (inputs.contacts.empty() || has_free_partner()) return;
     const CutElementForces cut_elements(model, state);
     if (inputs.points)
       PointContacts{inputs.contacts, *inputs.points, cut_elements.view}.update_forces();

@@ -253,15 +253,21 @@ SweptContacts::SweptContacts(const LatticeBody& body, World& world, const SweptF
 Vec3d SweptContacts::start(const lattice::Inputs& inputs, double dt) const {
   SweptForces forces = springs_;
   if (forces.free_mass == 0) return {};
-  for (std::size_t c = 0; c < own_.size(); c++)
-    forces.add(Vec3d(own_[c].force), transposed(patient_axes(body_)) * sites_[c].site->ahead);
+  Vec3d of_contacts;
+  for (std::size_t c = 0; c < own_.size(); c++) {
+    const Vec3d normal(own_[c].normal), force(own_[c].force);
+    const double pressed = dot(normal, force);
+    forces.add(normal * pressed, transposed(patient_axes(body_)) * sites_[c].site->ahead);
+    forces.friction += double(own_[c].friction) * pressed;
+    of_contacts += force;
+  }
   // forces of tools, and of bodies, which are among the contacts
   Vec3d all;
   for (const lattice::NodeContact& contact : inputs.contacts) {
     if (contact.is_held) return {};
     all += Vec3d(contact.force);
   }
-  return start_acceleration(body_, forces, all - (forces.sum - springs_.sum), inputs.gravity, dt);
+  return start_acceleration(body_, forces, all - of_contacts, inputs.gravity, dt);
 }
 
 void SweptContacts::join(lattice::Inputs& inputs, double dt) {

@@ -34,7 +34,11 @@ Vec3d start_acceleration(const LatticeBody& body, const SweptForces& forces, Vec
               approach = forces.ahead / (forces.magnitudes * dt) - center_velocity(body, forces.free_mass),
               rest = transposed(patient_axes(body)) * gravity + by_tools;
   const double most = std::max(0.0, dot(approach, to)) / dt - dot(rest, to);
-  return by_tools + to * std::min(norm(forces.sum) / forces.free_mass, std::max(0.0, most));
+  const Vec3d along = to * std::min(norm(forces.sum) / forces.free_mass, std::max(0.0, most));
+  // limit across it
+  const Vec3d stopped = approach / dt - rest, across = stopped - to * dot(stopped, to);
+  const double friction = forces.friction / forces.free_mass, wanted = norm(across);
+  return by_tools + along + (wanted > friction ? across * (friction / wanted) : across);
 }
 
 }  // namespace turgor

@@ -14,8 +14,8 @@ namespace turgor::lattice {
 
 namespace {
 
-constexpr std::size_t kMostPatches = 4;
-constexpr double kPatchCells = 8;  // a longer patch is divided, up to the largest number
+constexpr std::size_t kMostPatches = 16;
+constexpr double kPatchCells = 4;  // a longer patch is divided, up to the largest number
 constexpr int kAffine = 12;        // displacements of a patch
 constexpr double kLeastShare =
     1e-6;  // of the largest stiffness: softer displacements of a patch are left out

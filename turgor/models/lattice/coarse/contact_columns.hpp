@@ -19,7 +19,7 @@ struct ContactColumns {
   std::vector<double> of_couplings;  // Vᵀ A⁻¹ U of the couplings V, row by row
 };
 
-/// Columns of the contacts that push or hold. Contacts far from each other form up to four patches.
+/// Columns of the contacts that push or hold. Contacts far from each other form patches, 16 at most.
 ContactColumns find_contact_columns(const Model& model, State& state, const Inputs& inputs);
 
 /// Forces of the contacts at the present displacements, in the order of Inputs::contacts.

@@ -39,15 +39,19 @@ void step_pbd(Body&& body, int sweeps) {
 }
 
 /// One step of VBD. The first coarse correction is before the first backward sweep, so only solid tissue has
-/// it; the second one is after the last sweep. [Chen et al. 2024]
+/// it; the second one is after the last sweep. A body that alternates has every second sweep backward, and a
+/// correction before each of these. [Chen et al. 2024]
 template <class Body>
 void step_vbd(Body&& body, bool solid, int sweeps) {
   body.move_to_start();
   body.add_loads();
   body.measure_residual_before();
+  const bool alternates = solid && body.alternates();
   for (int sweep = 0; sweep < sweeps; sweep++) {
-    if (is_first_backward_sweep(solid, sweep, sweeps)) body.correct_between();
-    body.sweep(sweep_order(solid, sweep, sweeps));
+    const bool backward = alternates && sweep % 2 == 1;
+    if (alternates ? backward : is_first_backward_sweep(solid, sweep, sweeps)) body.correct_between();
+    body.sweep(alternates ? (backward ? Order::kBackward : Order::kForward)
+                          : sweep_order(solid, sweep, sweeps));
   }
   body.correct_after();
   body.measure_residual_after();

@@ -379,6 +379,7 @@ struct VbdKernels : NodeKernels<Run> {
     this->run(body.count(), PredictNode{body, held ? Vec3{} : view.inertia.fall, view.inertia.dt});
   }
   void sweep(Order order) const { sweep_vbd_with(this->run, view, order); }
+  bool alternates() const { return false; }  // contacts have no corrections
   void correct_between() const { correct(); }
   void correct_after() const { correct(); }
   void measure_residual_before() const {
