@@ -70,8 +70,8 @@ struct Threaded {
   Inputs inputs() { return {.springs = &springs}; }
   const CoarseSpace& space() const { return *state.workspace.coarse; }
 
-  /// Extensions of the threads by a displacement of the unknowns, from that of every node.
-  std::vector<double> extensions(std::span<const double> unknowns) const {
+  /// The body with a displacement of the unknowns only.
+  State moved_by(std::span<const double> unknowns) const {
     State moved = state;
     for (auto* axis : {&moved.motion.u.x, &moved.motion.u.y, &moved.motion.u.z})
       std::fill(axis->begin(), axis->end(), Real(0));
@@ -83,6 +83,11 @@ struct Threaded {
           corners[row][axis] += Real(double(space().terms[std::size_t(t)].weight) *
                                      unknowns[std::size_t(3 * space().terms[std::size_t(t)].unknown + axis)]);
     prolongate(kSerial, model, moved, corners);
+    return moved;
+  }
+  /// Extensions of the threads by a displacement of the unknowns, from that of every node.
+  std::vector<double> extensions(std::span<const double> unknowns) const {
+    const State moved = moved_by(unknowns);
     std::vector<double> all;
     for (std::size_t t = 0; t < stiffness.size(); t++) all.push_back(extension(t, moved.motion));
     return all;
@@ -123,6 +128,50 @@ TEST(CoupledPoints, SolutionHasStiffnessOfThreads) {
   EXPECT_FALSE(has_coupled_points(body.state));
   const std::vector<double> f = random_forces();
   EXPECT_EQ(solve_coupled(body.space(), nullptr, {}, f), body.space().factor.solve(f));
+}
+
+// The same with contacts besides: one that slides, with a stiffness along its normal, and one that does not
+// push.
+TEST(CoupledPoints, SolutionHasStiffnessOfContacts) {
+  Threaded body(kAlong, {300, 0, 2e4}, 0);
+  const Vec3 normal = normalized(Vec3{0.3f, -0.2f, 0.9f});
+  const double stiffness = 800;
+  const auto slot_at = [&](Int3 node) { return node_slot(body.model.anatomy.lattice, node); };
+  std::vector<NodeContact> contacts(2);
+  contacts[0].slot = slot_at({6, 8, 5}), contacts[1].slot = slot_at({8, 8, 5});
+  for (NodeContact& c : contacts) {
+    c.normal = normal, c.stiffness = Real(stiffness);
+    c.target = body.state.motion.u[std::size_t(c.slot)] + cross(normal, Vec3{1e-3f, 0, 0});
+  }
+  contacts[0].force = normal, contacts[1].target = contacts[1].target - normal * 1e-3f;
+  Inputs inputs = body.inputs();
+  inputs.contacts = contacts;
+  ASSERT_TRUE(prepare_coarse_space(body.model, body.state, inputs, kFrameTime));
+  const ContactColumns columns = find_contact_columns(body.model, body.state, inputs);
+  EXPECT_EQ(columns.columns.count(), 1u);
+  std::mt19937 random{6};
+  std::uniform_real_distribution<double> number{-1, 1};
+  std::vector<double> f(3 * std::size_t(body.space().unknowns)), h = f;
+  for (int n = 0; n < 5; n++) {
+    for (double& a : f) a = number(random);
+    for (double& a : h) a = number(random);
+    const std::vector<double> x = solve_coupled(body.space(), &body.springs, columns, f),
+                              of_f = body.space().factor.solve(f), of_h = body.space().factor.solve(h);
+    const std::vector<double> threads_x = body.extensions(x), threads_h = body.extensions(of_h);
+    const auto pressed = [&](const std::vector<double>& unknowns) {
+      return double(dot(normal, body.moved_by(unknowns).motion.u[std::size_t(contacts[0].slot)]));
+    };
+    double expected = pressed(of_h) * stiffness * pressed(x), scale = std::abs(expected);
+    EXPECT_GT(scale, 0);
+    for (std::size_t t = 0; t < threads_x.size(); t++) {
+      expected += threads_h[t] * body.stiffness[t] * threads_x[t];
+      scale += std::abs(threads_h[t] * body.stiffness[t] * threads_x[t]);
+    }
+    EXPECT_NEAR(std::inner_product(h.begin(), h.end(), of_f.begin(), 0.0) -
+                    std::inner_product(h.begin(), h.end(), x.begin(), 0.0),
+                expected, 2e-3 * scale)
+        << "J";
+  }
 }
 
 // Corrections alone settle a body whose stiff threads are too short: after four, the Newton step is a
