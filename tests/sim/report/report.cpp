@@ -197,6 +197,14 @@ TEST(Report, SummaryMatchesPage) {
   EXPECT_NE(text.find("out/block/report.html\n"), std::string::npos) << text;
 }
 
+// A command that draws the recording names its folder.
+TEST(Report, SummaryNamesRecordingInItsFolder) {
+  BlockRun run = block_run();
+  run.report["more_pictures"] = "turgor run --replay recording.h5 --set output.pictures=all";
+  EXPECT_NE(summary_text(run.report, "out/block").find("--replay out/block/recording.h5 --set"),
+            std::string::npos);
+}
+
 // The report has the solver of every lattice.
 TEST(Report, EveryLatticeHasOwnSolver) {
   const std::filesystem::path folder = test::fresh_folder();

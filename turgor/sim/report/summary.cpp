@@ -42,7 +42,11 @@ std::string summary_text(const Json& report, const std::filesystem::path& folder
     text += fmt::format("warning: {}\n", warning.get<std::string>());
   text += fmt::format("pictures and files   {}\nreport               {}\n", folder.string(),
                       (folder / "report.html").string());
-  const std::string more = report.value("more_pictures", std::string());
+  // the command names the recording as seen from its folder
+  std::string more = report.value("more_pictures", std::string());
+  const std::string recording = "recording.h5";
+  if (const std::size_t at = more.find(recording); at != std::string::npos)
+    more.replace(at, recording.size(), (folder / recording).string());
   return more.empty() ? text : text + fmt::format("more pictures        {}\n", more);
 }
 
